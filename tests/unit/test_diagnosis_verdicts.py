@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from tests.small_job import measurement, write_job
-from vmach.diagnosis.diagnose import diagnose
+from vmach.diagnosis.diagnose import diagnose, not_followed
 from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossible_size_notes
 from vmach.diagnosis.inference import verdicts
@@ -504,3 +504,28 @@ def test_readings_that_are_what_was_predicted_have_plain_noise(tmp_path):
         warnings.simplefilter("error")
         noise = noise_before(weighing)
     assert np.all(noise.weight == 1.0) and noise.log_prior == 0.0
+
+
+def test_a_measurement_that_is_not_followed_is_noted():
+    rms = {
+        "part.csv": {"before": 4.0, "after": 0.9, "expected_noise": 0.8},
+        "drift.csv": {"before": 3.0, "after": 1.2, "expected_noise": 0.3},
+    }
+    residuals = SimpleNamespace(fit="some", rms_um_by_measurement=list(rms.items()))
+    (note,) = not_followed(SimpleNamespace(is_structure=False), residuals)
+    assert "does not follow drift.csv: 1.2 um RMS are left where noise makes 0.3" in str(note)
+    assert not [*not_followed(SimpleNamespace(is_structure=True), residuals)]
+
+
+def test_each_measurement_has_its_residual(tmp_path):
+    job = write_job(tmp_path, more=TIP)
+    (tmp_path / "tip").mkdir()
+    tip_job(tmp_path / "tip", nothing)
+    (tmp_path / "tip.csv").write_text((tmp_path / "tip" / "tip.csv").read_text())
+    found = diagnose(survey_job(job))
+    each = as_json(found)["measurements"]
+    assert [m["name"] for m in each] == ["points.csv", "tip.csv"]
+    count = np.array([len(m) for m in found.residuals.survey.measurements])
+    squares = np.array([m["rms_um"]["before"] for m in each]) ** 2
+    assert np.sqrt(count @ squares / count.sum()) == pytest.approx(found.rms_um["before"], rel=1e-3)
+    assert re.search(r"tip.csv: [\d.]+ -> [\d.]+ um, noise", as_text(found))

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from vmach.base.note import Kind, Note
+from vmach.base.note import Kind, Level, Note
 from vmach.diagnosis.candidate_scores import CandidateScore, candidate_scores
 from vmach.diagnosis.findings import Finding, findings_of, something_unknown
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.remains import is_structure, of_device_um
+from vmach.diagnosis.inference.rules import TRUST
 from vmach.diagnosis.inference.verdicts import Inference, Weak, infer
 from vmach.diagnosis.inference.weighing import Weighing
 from vmach.diagnosis.next_test.blind_spots import BlindSpot, blind_spots
@@ -22,7 +23,7 @@ from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.residuals.where_it_fails import Failure, where_it_fails
 from vmach.fit.survey import Survey
 
-__all__ = ["Diagnosis", "diagnose"]
+__all__ = ["Diagnosis", "diagnose", "not_followed"]
 
 #: scatter in stated uncertainties outside which u_um is doubtful
 _TOO_QUIET, _TOO_LOUD = 1.0 / 3.0, 1.5
@@ -123,11 +124,12 @@ def diagnose(
         ),
         next_measurement=next_measurement(weighing, explanation, findings, found.proposals),
         notes=(
-            *survey.notes,
+            *_of_survey(found),
             *_doubtful_uncertainty(found),
             *_outliers(found),
             *_device(found),
             *_cancelling(found, residuals.rms_um),
+            *not_followed(found, residuals),
         ),
         residuals=residuals,
     )
@@ -140,6 +142,15 @@ def _verdict(found: Inference, findings: Sequence[Finding]) -> str:
     if not findings:
         return "nothing"
     return "class" if any(f.status == "class" for f in findings) else "named"
+
+
+def _of_survey(found: Inference) -> Iterator[Note]:
+    """Notes on the readings; what scattered too much for its uncertainty may be explained now."""
+    is_settled = found.told.posterior.sizes.factor <= _TOO_LOUD
+    for note in found.weighing.survey.notes:
+        is_doubt = note.kind is Kind.UNCERTAINTY and note.level is Level.QUESTION
+        if not (is_doubt and is_settled):
+            yield note
 
 
 def _doubtful_uncertainty(found: Inference) -> tuple[Note, ...]:
@@ -181,6 +192,22 @@ def _cancelling(found: Inference, rms_um: Mapping[str, float]) -> tuple[Note, ..
         "what remains cancel in part; add the first form with them, or measure before adding"
     )
     return (Note.question(Kind.CANCELLING, said, after, "um", place="residual"),)
+
+
+def not_followed(found: Inference, residuals: Residuals) -> Iterator[Note]:
+    """A note on each measurement that what was found does not follow: laws may be as inexact.
+
+    Of what remains as structure the verdict speaks.
+    """
+    if found.is_structure or residuals.fit is None:
+        return
+    for name, rms in residuals.rms_um_by_measurement:
+        if rms["after"] > TRUST * rms["expected_noise"]:
+            said = (
+                f"what was found does not follow {name}: {rms['after']:.2g} um RMS are left where "
+                f"noise makes {rms['expected_noise']:.2g}, counted as inexactness of the laws"
+            )
+            yield Note.plain(Kind.SCATTER, said, rms["after"], "um", place=name)
 
 
 def _outliers(found: Inference) -> tuple[Note, ...]:

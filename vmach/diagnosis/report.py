@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.inference.verdicts import Weak
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.residuals.where_it_fails import Failure
-from vmach.diagnosis.words import describe, expected, rounded
+from vmach.diagnosis.words import describe, expected, rounded, title_of
 from vmach.effects.declaration import unit_of
 from vmach.files.atomic import atomic_file
 
@@ -36,7 +37,11 @@ def as_json(found: Diagnosis, *, program: str | None = None) -> dict[str, Any]:
         "weak_effects": [_weak(weak) for weak in found.weak],
         "remains_um": round(found.remains_um, 3),
         "proposals": [_proposal(p) for p in found.proposals],
-        "rms_um": {name: round(value, 4) for name, value in found.rms_um.items()},
+        "rms_um": _rounded_rms(found.rms_um),
+        "measurements": [
+            {"name": name, "rms_um": _rounded_rms(rms)}
+            for name, rms in found.residuals.rms_um_by_measurement
+        ],
         "candidates": [vars(score) for score in found.candidates],
         "where_it_fails": [
             {"by": f.by, "p": float(f"{f.p:.3g}"), "text": f.text} for f in found.failures
@@ -52,6 +57,10 @@ def as_json(found: Diagnosis, *, program: str | None = None) -> dict[str, Any]:
         "notes": [str(note) for note in found.notes],
         "note_records": note_records(found.notes),
     }
+
+
+def _rounded_rms(rms_um: Mapping[str, float]) -> dict[str, float]:
+    return {name: round(value, 4) for name, value in rms_um.items()}
 
 
 def _weak(weak: Weak) -> dict[str, Any]:
@@ -127,10 +136,17 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
     lines += [
         f"  weak: {weak.term.label}: {weak.why}; not counted as present" for weak in found.weak
     ]
-    lines.append(
-        f"RMS of measured minus predicted: {rms['before']:.2f} um before, {rms['after']:.2f} um "
-        f"after; {expected(found.residuals)} account for {rms['expected_noise']:.2f} um"
-    )
+    states = found.residuals.states
+    fell = ", ".join(f"{rms[state]:.2f} um {state}" for state in states)
+    fell = fell if len(states) > 1 else f"{rms['before']:.2f} um"
+    noise = f"{expected(found.residuals)} account for {rms['expected_noise']:.2f} um"
+    lines.append(f"RMS of measured minus predicted: {fell}; {noise}")
+    of_each = found.residuals.rms_um_by_measurement
+    lines += [
+        f"  {name}: {' -> '.join(f'{rms[state]:.2f}' for state in states)} um, "
+        f"noise {rms['expected_noise']:.2f}"
+        for name, rms in of_each[: len(of_each) * (len(of_each) > 1)]
+    ]
     if found.failures:
         lines.append("Where the model fails (p: how often chance alone would look like this):")
         clearest: dict[str, Failure] = {}
@@ -177,7 +193,7 @@ def _finding_lines(finding: Finding, *, is_told_apart: bool) -> list[str]:
     if finding.effect is None:
         return [f"  where: {finding.where or 'everywhere; more scatter than the uncertainty says'}"]
     lines = [
-        f"  {finding.label}: {finding.effect.title}",
+        f"  {finding.label}: {title_of(finding.effect, finding.target)}",
         f"    {finding.status}, {finding.size_um:.2f} um RMS of these readings, "
         f"{100 * finding.share:.0f} % of all found or left (log odds {finding.odds:.0f})",
     ]

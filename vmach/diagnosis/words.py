@@ -8,11 +8,14 @@ import numpy as np
 
 from vmach.diagnosis.residuals import Residuals
 from vmach.effects import Effect
+from vmach.machine import LINEAR_AXES
+from vmach.machine.component_errors import component_of
 
 __all__ = [
     "describe",
     "expected",
     "rounded",
+    "title_of",
     "where_component",
     "with_unit",
 ]
@@ -31,6 +34,27 @@ def describe(effect: Effect) -> dict[str, str]:
         "confirm": effect.confirm,
         "cure": effect.cure,
     }
+
+
+def title_of(effect: Effect, target: str) -> str:
+    """What an effect is at its target, in the words of ISO 230-1 where that has them."""
+    if effect.corrects_table:
+        return f"error table {target} ({_component(target)}), missing or no longer true"
+    if effect.name == "squareness":
+        own = target[2]
+        (other,) = set(LINEAR_AXES) - {own, LINEAR_AXES["ABC".index(target[0])]}
+        return f"squareness of {own} to {other}"
+    return effect.title
+
+
+def _component(name: str) -> str:
+    """What is wrong along an axis, of a name as EYX."""
+    direction, axis, is_angle = component_of(name)
+    if is_angle:
+        return f"angle of {LINEAR_AXES[axis]} about {LINEAR_AXES[direction]}"
+    if direction == axis:
+        return f"positioning of {LINEAR_AXES[axis]}"
+    return f"straightness of {LINEAR_AXES[axis]} in {LINEAR_AXES[direction]}"
 
 
 def with_unit(parameter: str, value: float) -> str:

@@ -18,17 +18,16 @@ def wandering(position: np.ndarray, length: float) -> np.ndarray:
     """Columns W (P, K) such that W W^T is the covariance of a process that wanders.
 
     The covariance is (1 + d) exp(-d), d = sqrt(3) distance / length (Matern 3/2: bends may be
-    sharp); the process is linear between knots a third of the length apart. Of more than 20
-    lengths the knots lie further apart: the variance is one all the same, and neighbours have more
-    in common.
+    sharp); the process is linear between knots a third of the length apart. There are 60 knots at
+    most: of more than 20 lengths the variance between them falls to a half, and neighbours have
+    more in common.
     """
     low, high = float(position.min()), float(position.max())
     knots, root = _root(low, high, length)
     # of the two knots around, each as far as it is near
     left = np.clip(np.searchsorted(knots, position, side="right") - 1, 0, len(knots) - 2)
     share = (position - knots[left]) / (knots[left + 1] - knots[left])
-    waves = (1.0 - share)[:, None] * root[left] + share[:, None] * root[left + 1]
-    return waves / np.linalg.norm(waves, axis=1, keepdims=True)
+    return (1.0 - share)[:, None] * root[left] + share[:, None] * root[left + 1]
 
 
 @lru_cache(maxsize=64)

@@ -63,6 +63,8 @@ class Column:
         Measured minus predicted after the alignment that the caller chose; finite where cut.
     weight : (P,) float64, optional
         How much each point counts in means and shares; 1 for all without it.
+    is_signed : bool
+        Whether the values have a direction; else they are sizes, as an uncertainty is.
     """
 
     name: str
@@ -71,6 +73,7 @@ class Column:
     status: np.ndarray
     remainder_mm: np.ndarray | None = None
     weight: np.ndarray | None = None
+    is_signed: bool = True
 
     def __post_init__(self) -> None:
         count = len(self.deviation_mm)

@@ -25,7 +25,7 @@ class _Finding(Output):
     log_odds: float
     """Natural logarithm, for it against without it."""
     probability: float = Field(ge=0.0, le=1.0)
-    """That it is there."""
+    """That it is no imitation of something else."""
     parameters: dict[str, Any]
     """Numbers, or lists of a correction curve; the unit ends each name."""
     u: dict[str, Any]
@@ -101,7 +101,7 @@ class _Weak(Output):
     log_odds: float
     """Natural logarithm, for it against without it."""
     probability: float = Field(ge=0.0, le=1.0)
-    """That it is there."""
+    """That it is no imitation of something else."""
     why: str
 
 
@@ -133,6 +133,14 @@ class _Proposal(Output):
     """The test that would refute it."""
 
 
+class _MeasurementRms(Output):
+    """One file of readings."""
+
+    name: str
+    rms_um: dict[str, float]
+    """As of all readings."""
+
+
 class DiagnosisFigures(Output):
     """``diagnose --json``: what the model lacks."""
 
@@ -144,6 +152,7 @@ class DiagnosisFigures(Output):
     proposals: list[_Proposal]
     rms_um: dict[str, float]
     """Of measured minus predicted: before, after, expected noise."""
+    measurements: list[_MeasurementRms]
     candidates: list[_Candidate]
     where_it_fails: list[_Failure]
     next_measurement: _NextMeasurement | None

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import re
+import tomllib
 from collections.abc import Mapping
 
 __all__ = ["READINGS_OF_PART", "job_with_readings"]
@@ -28,16 +30,25 @@ def job_with_readings(text: str, previous: str, file: str, settings: Mapping[str
     settings : mapping
         ``kind`` and what else its section takes; of kind "part" the key `measured` is set.
     """
+    added = f"readings {file}"
     if settings["kind"] == READINGS_OF_PART:
+        added += _in_place_of(text)
         text = _with_key(text, f"measured = {json.dumps(file)}")
     else:
         lines = [f"{key} = {json.dumps(value)}" for key, value in settings.items()]
         lines.insert(1, f"file = {json.dumps(file)}")
         text = text.rstrip() + "\n\n[[measurements]]\n" + "\n".join(lines) + "\n"
     return text.rstrip() + (
-        f"\n\n[[history]]\nprevious = {json.dumps(previous)}\n"
-        f"added = {json.dumps([f'readings {file}'])}\n"
+        f"\n\n[[history]]\nprevious = {json.dumps(previous)}\nadded = {json.dumps([added])}\n"
     )
+
+
+def _in_place_of(text: str) -> str:
+    """Which readings the part had before: a job names one file of them."""
+    with contextlib.suppress(ValueError):  # a job that is no TOML is refused when it is read
+        before = tomllib.loads(text).get("measured")
+        return f" in place of {before}" if before else ""
+    return ""
 
 
 def _with_key(text: str, line: str) -> str:

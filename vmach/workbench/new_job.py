@@ -67,12 +67,14 @@ def _tools(tools: Any) -> list[str]:
 def _three(told: Mapping[str, Any], key: str) -> str:
     values = told.get(key)
     if not isinstance(values, Sequence) or isinstance(values, str) or len(values) != 3:
-        raise InputError(f"{key} = {values!r}", accepted="three numbers: X, Y, Z")
+        said = f"{key} is missing" if values is None else f"{key} = {values!r}"
+        raise InputError(said, accepted="three numbers in mm: X, Y, Z")
     return "[" + ", ".join(_number(value, key) for value in values) + "]"
 
 
 def _number(value: Any, what: str) -> str:
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if not is_number or not math.isfinite(value) or abs(value) > _LARGEST_MM:
-        raise InputError(f"{what} = {value!r}", accepted="a number in mm")
+        said = f"{what} is missing" if value is None else f"{what} = {value!r}"
+        raise InputError(said, accepted="a number in mm")
     return repr(value)

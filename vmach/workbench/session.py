@@ -18,6 +18,7 @@ from vmach.workbench.file_watch import FileWatch
 from vmach.workbench.job_chain import job_chain
 from vmach.workbench.kept_results import KeptResults
 from vmach.workbench.last_picture import LastPicture
+from vmach.workbench.model.named_files import named_files
 from vmach.workbench.model.remote import ModelRefused, ModelStopped, RemoteModel
 from vmach.workbench.opened_folder import OpenedFolder
 from vmach.workbench.recent_jobs import remember_job
@@ -90,6 +91,32 @@ class Session:
         self._start_model()
         self.events.tell("job", **self.record())
 
+    def work_that_ends_with(self, job: Path) -> list[str]:
+        """Kinds of the runs that opening a job would end: those of another folder."""
+        if self.folder is None or self.runs is None or job.resolve().parent == self.folder.root:
+            return []
+        return [run.kind for run in self.runs.runs if not run.is_over]
+
+    def open_next(self, job: Path, *, after: Path) -> bool:
+        """Open a job that was made of the job `after`, if that is still the open one."""
+        if self.job != after:
+            return False
+        self.open(job)
+        return True
+
+    async def check_job(self, job: Path) -> None:
+        """Refuse a job that cannot be read, or whose part cannot be predicted.
+
+        Raises
+        ------
+        ModelRefused, ModelStopped
+        """
+        model = RemoteModel(job, (), self._control)
+        try:
+            await model.ask("about")
+        finally:
+            model.close()
+
     def set_changes(
         self, changes: list[dict[str, Any]], *, tab: str = "", gesture: Hashable = None
     ) -> None:
@@ -108,6 +135,8 @@ class Session:
         """Open a folder; work in another one ends."""
         if self.runs is not None:
             self.runs.close()
+        if self.other is not None:
+            self.compare_with(None)
         self.folder, self.own_effects = folder, []
         self.steps.forget()
         self._shown, self._kept = {}, KeptResults(folder.root, folder.root / RESULTS)
@@ -302,7 +331,7 @@ class Session:
         self._started_ns = time.time_ns()
         self._model = RemoteModel(self.job, self.effect_files, self._control)
         self._picture = LastPicture(self.job, self.effect_files, self._control)
-        files = [self.job, *self._picture.files, *self.effect_files]
+        files = [*named_files(self.job), *self._picture.files, *self.effect_files]
         self._watch.watch(files, since_ns=self._started_ns)
         with contextlib.suppress(RuntimeError):  # no loop yet: the first question does it
             asyncio.get_running_loop().create_task(self.watch_files())

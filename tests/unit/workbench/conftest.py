@@ -9,6 +9,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from tests.measured_job import write_measured_job
+from tests.unit.workbench.browser import context, folder, heard, served, tab  # noqa: F401
 from vmach.workbench.access import Access
 from vmach.workbench.server import build_server
 from vmach.workbench.session import Session
@@ -35,9 +36,9 @@ def no_trace_among_the_users_jobs(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def measured_folder(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("bench")
-    write_measured_job(folder)
-    return folder
+    made = tmp_path_factory.mktemp("bench")
+    write_measured_job(made)
+    return made
 
 
 class Page:

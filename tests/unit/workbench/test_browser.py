@@ -1,178 +1,39 @@
 """The page in a real browser: the whole loop, by keyboard too; nothing in the console.
 
 One server and one page serve all tests, in the order in which somebody would work; the jobs are
-small. What has to come is waited for as long as it takes.
+small.
 """
 
-import contextlib
 import json
 import os
 import re
-import shutil
 import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import pytest
 
-from tests.measured_job import write_odd_job
+from tests.unit.workbench.browser import (
+    PATIENCE_MS,
+    REFUSED,
+    TABLET,
+    browser_alone,
+    children_of,
+    complaint,
+    dismiss,
+    drop,
+    figure,
+    needs_browser,
+    open_job,
+    press_tab,
+    press_to,
+    ready,
+    says,
+    until,
+    workers_of,
+)
 from tests.unit.workbench.conftest import replace
 
-sync_api = pytest.importorskip("playwright.sync_api", reason="no Playwright to drive a browser")
-
-BROWSER = next(
-    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), ""
-)
-pytestmark = pytest.mark.skipif(not BROWSER, reason="no Chromium on this machine")
-
-#: software rendering, as there is no graphics card
-FLAGS = ["--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader",
-         "--enable-unsafe-swiftshader"]  # fmt: skip
-PATIENCE_MS = 300_000
-#: a desk's layout with a small map, as every pixel is drawn by the processor; and a tablet's
-WINDOW, TABLET = {"width": 1180, "height": 640}, {"width": 1024, "height": 600}
-#: answers that the tests ask for: a job that cannot be read, readings that are none
-REFUSED = "Failed to load resource: the server responded with a status of 400"
-
-
-@pytest.fixture(scope="module")
-def served(measured_folder, tmp_path_factory):
-    """`vmach open` in a process of its own: its address, folder and process."""
-    folder = tmp_path_factory.mktemp("browser") / "part"
-    shutil.copytree(measured_folder, folder, symlinks=True)
-    write_odd_job(folder)
-    words = [sys.executable, "-P", "-m", "vmach", "open", str(folder), "--no-browser"]
-    process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True, start_new_session=True)
-    address = re.search(r"http://127\.0\.0\.1:\d+/\?token=\S+", process.stdout.readline())[0]
-    yield address, folder, process
-    if process.poll() is None:
-        process.send_signal(signal.SIGINT)
-    assert process.wait(PATIENCE_MS / 1000) in (0, 130)
-    process.stdout.close()
-
-
-@pytest.fixture(scope="module")
-def folder(served):
-    return served[1]
-
-
-@pytest.fixture(scope="module")
-def context():
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(
-            executable_path=BROWSER, args=FLAGS, timeout=PATIENCE_MS
-        )
-        made = browser.new_context(viewport=WINDOW)
-        made.set_default_timeout(PATIENCE_MS)
-        yield made
-        browser.close()
-
-
-@pytest.fixture(scope="module")
-def heard(context):
-    """What the pages said in the console, and whom they asked."""
-    told = {"console": [], "hosts": set()}
-    context.on("request", lambda request: told["hosts"].add(request.url.split("/")[2]))
-    context.on("console", lambda message: message.type in ("error", "warning")
-               and told["console"].append(message.text))  # fmt: skip
-    context.on("weberror", lambda error: told["console"].append(str(error.error)))
-    return told
-
-
-@pytest.fixture(scope="module")
-def tab(context, heard, served):
-    page = context.new_page()
-    page.goto(served[0])
-    ready(page)
-    return page
-
-
-def until(holds):
-    """Wait until something holds in the page; its policy lets no text be run there."""
-    end = time.monotonic() + PATIENCE_MS / 1000
-    while not holds():
-        assert time.monotonic() < end, "it does not come to hold"
-        time.sleep(0.05)
-
-
-def says(page, place, word):
-    until(lambda: word in page.locator(place).inner_text())
-
-
-def ready(page):
-    page.wait_for_selector("body[data-ready=part]")
-
-
-def figure(page, word):
-    text = page.locator("#figures div", has_text=word).locator("dd").inner_text()
-    return float(text.split()[0].replace("−", "-"))
-
-
-def press_to(page, place, key="Tab"):
-    """Press a key until the focus is on a place of the page."""
-    target = page.locator(place).first
-    for _ in range(200):
-        if target.evaluate("one => one === document.activeElement"):
-            return
-        page.keyboard.press(key)
-    raise AssertionError(f"{place} is not reached by {key}")
-
-
-def press_tab(page, name):
-    """Choose a panel by keys."""
-    press_to(page, "[role=tab][aria-selected=true]")
-    press_to(page, f"#tab-{name}", "ArrowRight")
-
-
-def dismiss(page):
-    """Close all messages."""
-    while page.locator(".notice .close").count():
-        page.locator(".notice .close").first.click(force=True)
-
-
-def complaint(page):
-    """What is said in red; it is then closed."""
-    page.locator(".notice.error").first.wait_for()
-    text = page.locator(".notice.error").first.inner_text()
-    dismiss(page)
-    return text
-
-
-def open_job(page, name):
-    """Open a job by its name on the start page."""
-    page.locator("#home").click()
-    page.locator(".jobs button", has_text=name).first.click()
-    until(lambda: page.locator("#job-about").inner_text().startswith(name))
-    ready(page)
-
-
-def children_of(pid, word):
-    """Processes that a process started whose command has a word in it."""
-    found = []
-    for task in Path(f"/proc/{pid}/task").iterdir():
-        for child in (task / "children").read_text().split():
-            with contextlib.suppress(OSError):
-                if word in Path(f"/proc/{child}/cmdline").read_bytes().decode():
-                    found.append(int(child))
-    return found
-
-
-def workers_of(process):
-    """The process that holds the part: what loads for it has started it."""
-    loaders = children_of(process.pid, "forkserver")
-    return [worker for loader in loaders for worker in children_of(loader, "forkserver")]
-
-
-def drop(page, place, name, text):
-    """Let a file fall on a place of the page."""
-    made = page.evaluate_handle(
-        "([name, text]) => { const data = new DataTransfer();"
-        " data.items.add(new File([text], name)); return data; }",
-        [name, text],
-    )
-    page.locator(place).dispatch_event("drop", {"dataTransfer": made})
+pytestmark = needs_browser
 
 
 # ---- look
@@ -341,7 +202,7 @@ def test_it_compensates_and_hands_the_program_out(tab, folder):
         tab.keyboard.press("Enter")
     written = folder / "vmach-results" / "job-2" / "compensated.nc"
     assert waiting.value.path().read_bytes() == written.read_bytes()
-    assert waiting.value.suggested_filename == "compensated.nc"
+    assert waiting.value.suggested_filename == "job-2-compensated.nc"
 
 
 def test_two_jobs_turn_together_and_their_difference_is_shown(tab):
@@ -408,20 +269,20 @@ def test_what_to_measure_next_has_a_program_and_a_place_for_its_readings(tab, co
     asked = {"text": "ballbar in XY, radius 120 mm", "separates": [], "program": str(place)}
     state["shown"]["diagnosis"] |= {"next_measurement": asked, "program": str(place)}
     hello = f"retry: 600000\nevent: hello\ndata: {json.dumps(state)}\n\n"
-    other = context.new_page()
-    other.set_viewport_size(TABLET)  # the message that nobody answers covers no button there
-    other.route("**/api/events", lambda route: route.fulfill(
-        content_type="text/event-stream", body=hello))  # fmt: skip
-    other.goto(tab.url)
-    ready(other)
-    says(other, "#notices", "does not answer")
-    other.locator("#tab-diagnose").click()
-    with other.expect_download() as waiting:
-        other.get_by_text("Download its NC program").click()
-    assert waiting.value.path().read_text() == "G0 X0\nM30\n"
-    until(lambda: other.get_by_label("Instrument").input_value() == "ballbar")
-    assert other.locator(".readings [name=tool_length_mm]").is_visible()
-    other.close()
+    with browser_alone(context, TABLET) as alone:
+        other = alone.new_page()  # the message that nobody answers covers no button there
+        other.route("**/api/events", lambda route: route.fulfill(
+            content_type="text/event-stream", body=hello))  # fmt: skip
+        other.route("**/api/state", lambda route: route.fulfill(json=state))
+        other.goto(tab.url)
+        ready(other)
+        says(other, "#notices", "does not answer")
+        other.locator("#tab-diagnose").click()
+        with other.expect_download() as waiting:
+            other.get_by_text("Download its NC program").click()
+        assert waiting.value.path().read_text() == "G0 X0\nM30\n"
+        until(lambda: other.get_by_label("Instrument").input_value() == "ballbar")
+        assert other.locator(".readings [name=tool_length_mm]").is_visible()
 
 
 def test_a_broken_law_is_said_with_its_line(tab):

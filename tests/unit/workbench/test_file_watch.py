@@ -1,9 +1,12 @@
 """Files that change are noticed once, when they rest, and also while they are being read."""
 
 import os
+import shutil
 import time
 
+from tests.unit.workbench.conftest import Page, replace
 from vmach.workbench.file_watch import FileWatch
+from vmach.workbench.model.named_files import named_files
 
 
 def write(path, text, at_ns):
@@ -38,3 +41,29 @@ def test_a_time_to_come_is_no_change(tmp_path):
     write(file, "G0", now + 10**12)
     watch.watch([file], since_ns=now)
     assert [watch.changed(), watch.changed()] == [[], []]
+
+
+def test_the_file_that_has_the_error_is_watched_also_one_that_is_absent(measured_folder, tmp_path):
+    folder = tmp_path / "job"
+    shutil.copytree(measured_folder, folder, symlinks=True)
+    good, program = (folder / "part.nc").read_text(), folder / "part.nc"
+    program.write_text(good.replace("G1 Z-8", "G1 Z#"))
+    page = Page(folder / "job.toml")
+    with page.client:
+        assert page.get("/api/about").status_code == 400
+        revision = page.get("/api/state").json()["revision"]
+        program.unlink()
+        revision = page.wait_for_revision(revision)
+        assert page.get("/api/about").status_code == 400
+        replace(program, good)
+        page.wait_for_revision(revision)
+        assert page.get("/api/about").status_code == 200
+
+
+def test_files_are_named_by_a_job_and_by_its_machine(measured_folder, tmp_path):
+    found = {path.name for path in named_files(measured_folder / "job.toml")}
+    assert {"job.toml", "machine.toml", "part.nc", "points.csv", "EXX.csv"} <= found
+    broken = tmp_path / "broken.toml"
+    broken.write_text("[[history]\n")
+    assert named_files(broken) == [broken]
+    assert named_files(tmp_path / "absent.toml") == [tmp_path / "absent.toml"]

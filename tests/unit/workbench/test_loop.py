@@ -140,7 +140,7 @@ def test_readings_that_come_later_are_in_a_new_job(bench, folder):
     assert wrong.status_code == 400 and "tool_length_mm" in wrong.json()["error"]
     before = (folder / "job.toml").read_bytes()
     state = bench.post("/api/readings", {"file": taken, "settings": {"kind": "part"}}).json()
-    assert state["chain"][-1]["added"] == ["readings again.csv"]
+    assert state["chain"][-1]["added"] == ["readings again.csv in place of points.csv"]
     assert read_job(folder / state["job"]).measured.name == "again.csv"
     assert bench.get("/api/measured").json()["measurements"][0]["name"] == "again.csv"
     assert (folder / "job.toml").read_bytes() == before

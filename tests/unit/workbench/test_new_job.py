@@ -70,3 +70,26 @@ def test_the_job_is_the_one_that_was_meant(start):
     assert made.blank.max_mm.tolist() == meant.blank.max_mm.tolist()
     assert made.tools[1].diameter_mm == 10 and made.tools[1].length_mm == 100
     assert page.get("/api/about").json()["name"] == "bracket"
+
+
+@pytest.mark.parametrize("text", ["G54 G0 X1\nG1 X#\n", "G21\nM30\n"], ids=["broken", "idle"])
+def test_a_job_that_does_not_work_is_not_written(start, text):
+    page, folder = start
+    file = "wrong.nc"
+    (folder / file).write_text(text)
+    open_before = page.get("/api/state").json()["job"]
+    answer = page.post("/api/new-job", MEANT | {"name": "other", "program": file})
+    assert answer.status_code == 400 and answer.json()["error"]
+    assert not (folder / "other.toml").exists()
+    assert page.get("/api/state").json()["job"] == open_before
+
+
+@pytest.mark.parametrize(("wrong", "said"), [
+    ({"name": "Pr\u00fcfling 1"}, "'Prufling-1' would do"),
+    ({"tools": [{"number": 1, "shape": "flat", "length_mm": 5}]}, "diameter_mm is missing"),
+    ({"zero_mm": None}, "zero_mm is missing"),
+], ids=["name", "diameter", "zero"])  # fmt: skip
+def test_what_is_wrong_is_said_in_words(start, wrong, said):
+    page, _ = start
+    error = page.post("/api/new-job", MEANT | wrong).json()["error"]
+    assert said in error and "None" not in error

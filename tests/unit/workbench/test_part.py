@@ -3,6 +3,7 @@
 import gzip
 import json
 import re
+from urllib.parse import quote
 
 import numpy as np
 import pytest
@@ -201,7 +202,7 @@ def test_the_report_is_of_what_is_on_the_screen(page):
     column = data["variants"]["shown"]
     assert (column["label"], column["range_um"]) == ("Abbe − HTM", 5)
     assert column["largest_um"] == pytest.approx(figures["largest_um"])
-    outside = column["outside"][data["tolerance_index"]] / column["count"]
+    outside = column["outside"][data["tolerance_index"]] / column["weight"]
     assert outside == pytest.approx(figures["outside"])
 
 
@@ -215,3 +216,13 @@ def test_what_is_no_screen_makes_no_report(page, wrong):
     content = json.dumps(ON_SCREEN | wrong).encode()
     answer = page.client.post("/api/report", content=content, headers=page.headers)
     assert answer.status_code == 400 and answer.json()["error"]
+
+
+def test_a_result_is_handed_out_under_the_name_of_its_job(page, measured_folder):
+    made = measured_folder / "vmach-results" / "Pr\u00fcfling #1" / "compensated.nc"
+    made.parent.mkdir(parents=True)
+    made.write_text("M30\n")
+    answer = page.get(f"/download/vmach-results/{quote(made.parent.name)}/{made.name}")
+    said = answer.headers["content-disposition"]
+    assert answer.text == "M30\n" and quote(f"{made.parent.name}-compensated.nc") in said
+    assert 'filename="part.nc"' in page.get("/download/part.nc").headers["content-disposition"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from vmach.diagnosis.diagnose import Diagnosis
 from vmach.diagnosis.findings import Finding
-from vmach.diagnosis.words import expected, rounded
+from vmach.diagnosis.words import expected, rounded, title_of
 from vmach.effects import Effect
 from vmach.machine import LINEAR_AXES
 
@@ -90,7 +90,10 @@ def _named(finding: Finding) -> str:
 def _words_of(effect: Effect, target: str) -> str:
     if effect.corrects_table:
         return f"the error table {target} as it is now"
-    title = effect.title.split(" (")[0]
+    title = title_of(effect, target)
+    if title != effect.title:
+        return f"{title}, {target}"
+    title = title.split(" (")[0]
     if target in LINEAR_AXES:
         return f"{title} in {target}"
     return f"{title}, {target}" if target else title

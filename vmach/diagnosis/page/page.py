@@ -18,7 +18,7 @@ from vmach.diagnosis.page.heading import chance_words, headline, quantity, state
 from vmach.diagnosis.page.instrument_pictures import instrument_pictures
 from vmach.diagnosis.page.residual_map import ResidualMap, residual_map
 from vmach.diagnosis.report import words_of_add
-from vmach.diagnosis.words import expected
+from vmach.diagnosis.words import expected, title_of
 from vmach.files.atomic import atomic_file
 from vmach.job import Job
 from vmach.nominal import Mesh
@@ -98,6 +98,7 @@ def write_diagnosis_page(
         blind=[spot for spot in found.blind_spots if spot.from_size is not None],
         unseen=[spot for spot in found.blind_spots if spot.from_size is None],
         measurements=residuals.survey.measurements,
+        by_measurement=residuals.rms_um_by_measurement,
         chance=chance_words,
         css=style_sheet(asset("page.css", _HERE)),
         page_data=None if part is None else script_json(_page_data(part)),
@@ -127,6 +128,7 @@ def _card(finding: Finding, found: Diagnosis) -> dict:
     ]
     return {
         "finding": finding,
+        "title": title_of(finding.effect, finding.target),
         "rows": rows,
         "rivals": [(words, alone.get(words)) for words in finding.indistinct],
         "alone": alone.get(own, found.rms_um["after"]),

@@ -125,9 +125,23 @@ class Residuals:
         return self._absorb(white) if after and self._absorb is not None else white
 
     @cached_property
-    def rms_um(self) -> dict[str, float]:
-        """RMS before, after, and what noise and the tables' uncertainty make."""
+    def _squares_mm2(self) -> dict[str, np.ndarray]:
+        """Of every reading before, after, and of what noise and the tables' uncertainty make."""
         factors = self.aligned(self.survey.factors)
         noise = self.survey.u_mm**2 + (factors**2).sum(axis=1)
-        squares = {"before": self.before_mm**2, "after": self.after_mm**2, "expected_noise": noise}
-        return {k: float(um_from_mm(np.sqrt(np.mean(v)))) for k, v in squares.items()}
+        return {"before": self.before_mm**2, "after": self.after_mm**2, "expected_noise": noise}
+
+    @property
+    def rms_um(self) -> dict[str, float]:
+        """RMS before, after, and what noise and the tables' uncertainty make."""
+        return self._rms_um(slice(None))
+
+    @property
+    def rms_um_by_measurement(self) -> list[tuple[str, dict[str, float]]]:
+        """The same of every measurement, with the name of its file."""
+        pairs = zip(self.survey.measurements, self.survey.rows, strict=True)
+        return [(m.name, self._rms_um(rows)) for m, rows in pairs]
+
+    def _rms_um(self, rows: slice) -> dict[str, float]:
+        squares = self._squares_mm2.items()
+        return {k: float(um_from_mm(np.sqrt(np.mean(v[rows])))) for k, v in squares}

@@ -10,8 +10,9 @@
   const toleranceUm = () => page.thresholds_um[state.tolerance];
   const short = (value) => String(Number(value.toPrecision(3)));
   const signed = (um) => {
+    const plus = page.variants[state.variant].is_signed ? "+" : "";
     const text = page.decimals === null ? Math.abs(um).toExponential(1) : Math.abs(um).toFixed(page.decimals);
-    return (Number(text) === 0 ? "" : um < 0 ? "−" : "+") + text;
+    return (Number(text) === 0 ? "" : um < 0 ? "−" : plus) + text;
   };
 
   function element(tag, text, className) {
@@ -42,8 +43,8 @@
     byId("tolerance-text").textContent = short(um);
     for (const text of all(".tolerance-value")) text.textContent = short(um);
     for (const cell of all("[data-outside]")) {
-      const { count, outside } = page.variants[cell.dataset.outside];
-      cell.textContent = count ? ((100 * outside[index]) / count).toFixed(2) + " %" : "–";
+      const { weight, outside } = page.variants[cell.dataset.outside];
+      cell.textContent = weight ? ((100 * outside[index]) / weight).toFixed(2) + " %" : "–";
     }
     for (const svg of all("svg[data-end-um]")) {
       const half = Math.min(320, (320 * um) / Number(svg.dataset.endUm));
@@ -61,7 +62,7 @@
   function placeLimits() {
     const share = toleranceUm() / rangeUm();
     for (const limit of all("#ramp .limit")) {
-      limit.hidden = share > 1;
+      limit.hidden = share > 1 || !page.variants[state.variant].is_signed;
       limit.style.top = `calc(${50 - 50 * share * Number(limit.dataset.sign)}% - 1px)`;
     }
   }
@@ -83,9 +84,10 @@
   function showRange() {
     const end = rangeUm();
     byId("range-text").textContent = short(end);
+    const { is_signed } = page.variants[state.variant]; // sizes begin at 0 and take no sign
     byId("ticks").replaceChildren(...Array.from({ length: 9 }, (_, i) => {
-      const value = end * (1 - i / 4);
-      const tick = element("li", i === 4 ? "0" : (value < 0 ? "−" : "+") + short(Math.abs(value)) + (i === 0 ? " µm" : ""));
+      const value = end * (1 - i / (is_signed ? 4 : 8));
+      const tick = element("li", value === 0 ? "0" : (!is_signed ? "" : value < 0 ? "−" : "+") + short(Math.abs(value)) + (i === 0 ? " µm" : ""));
       tick.style.top = 12.5 * i + "%";
       return tick;
     }));

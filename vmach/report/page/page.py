@@ -124,6 +124,7 @@ def write_report_html(
         pickable=min(len(points), MAX_POINTS),
         um=partial(um_text, decimals=um_decimals(_largest_mm(points.columns))),
         sign_convention=SIGN_CONVENTION,
+        is_signed=points.primary.is_signed,
         stills=[_data_uri(png) for png in stills],
         page_data=script_json(_page_data(points, run, view)),
         payload=encode_payload(mesh, points.with_remainders(), run),
@@ -225,15 +226,19 @@ def _circles(run: RunRecord) -> dict:
 
 
 def _column_data(points: InspectedPoints, column: Column, thresholds_mm: np.ndarray) -> dict:
-    size = np.sort(np.abs(column.deviation_mm[column.is_cut]))
-    within = np.searchsorted(size, thresholds_mm, side="right")
+    size = np.abs(column.deviation_mm[column.is_cut])
+    weight = np.ones(size.size) if column.weight is None else column.weight[column.is_cut]
+    order = np.argsort(size)
+    up_to = np.concatenate([[0.0], np.cumsum(weight[order])])
+    worst = worst_places(points, column) if column.is_signed else ()
+    within = np.searchsorted(size[order], thresholds_mm, side="right")
     return {
         "label": column.label,
-        "count": size.size,
-        "outside": (size.size - within).tolist(),
+        "is_signed": column.is_signed,
+        "weight": up_to[-1],
+        "outside": (up_to[-1] - up_to[within]).tolist(),
         "worst": [
-            {"at": points.point_mm[i].tolist(), "normal": points.normal[i].tolist()}
-            for i in worst_places(points, column)
+            {"at": points.point_mm[i].tolist(), "normal": points.normal[i].tolist()} for i in worst
         ],
     }
 

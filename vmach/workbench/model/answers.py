@@ -64,7 +64,8 @@ class Answers:
             "points": len(model.surface),
             "triangles": len(model.mesh.triangles),
             "is_measured": model.is_measured,
-            "has_measured_part": job.measured is not None,
+            "has_measured_part": model.has_measured_part,
+            "measured_file": None if job.measured is None else job.measured.name,
             "has_blank": job.blank is not None,
             "effects": [effect.label for effect in model.effects],
             "quantities": [vars(one) for one in quantities(model)],
@@ -157,7 +158,8 @@ class Answers:
                 f"{label}, minus that of {minus[0]['name']}",
             )
             facts |= {"minus": str(minus[0]["name"])}
-        shown = Shown(points, value_mm, label, facts, 1e-3 * tolerance_um)
+        is_signed = asked.is_signed or minus is not None
+        shown = Shown(points, value_mm, label, facts, 1e-3 * tolerance_um, is_signed)
         still = None if picture is None else Path(picture)
         write_screen_report(Path(path), part, shown, ReportView(**view), picture=still)
         return {}, b""

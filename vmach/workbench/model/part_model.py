@@ -18,7 +18,7 @@ from vmach.machine import Machine, Variant
 from vmach.nominal import read_nominal
 from vmach.nominal.alignment import align
 from vmach.nominal.patches import patches
-from vmach.nominal.points import SurfacePoints
+from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.path.preparation import Preparation, prepare
 from vmach.prediction import Prediction, predict, predict_surface
 from vmach.report import DisplayMesh
@@ -67,7 +67,20 @@ class PartModel:
     @property
     def is_measured(self) -> bool:
         """Whether anything was measured for the job."""
-        return self.job.measured is not None or bool(self.job.measurements)
+        return self.has_measured_part or bool(self.job.measurements)
+
+    @cached_property
+    def has_measured_part(self) -> bool:
+        """Whether the job names measured points: nominal ones alone say where to look.
+
+        A file that cannot be read counts: what is wrong with it is said where it is asked for.
+        """
+        if self.job.measured is None:
+            return False
+        try:
+            return read_points_csv(self.job.measured).measured_mm is not None
+        except InputError:
+            return True
 
     def cut_anew(
         self, changed: Sequence[EffectInstance], machine: Machine | None = None
@@ -100,12 +113,13 @@ class PartModel:
             return None
         from vmach.diagnosis.residuals.job_survey import survey_job  # the picture needs none of it
 
-        return survey_job(self.job)
+        job = self.job if self.has_measured_part else replace(self.job, measured=None)
+        return survey_job(job)
 
     @cached_property
     def measured(self) -> PointSet | None:
         """The measured points of the part; None where it was not measured."""
-        if self.job.measured is None or self.survey is None:
+        if not self.has_measured_part or self.survey is None:
             return None
         for m, path in zip(self.survey.measurements, self.survey.paths, strict=True):
             if m.on_part:
@@ -165,15 +179,19 @@ def _surface_set(
         points.id[cut], points.feature[cut], points.point_mm[cut], points.normal[cut]
     )
 
+    weight = None if points.weight is None else points.weight[cut]
+
     def aligned(deviation_mm: np.ndarray) -> np.ndarray:
         settings = job.inspection
-        pose = align(some, deviation_mm, mode=settings.alignment, datums=settings.datums)
+        pose = align(
+            some, deviation_mm, mode=settings.alignment, datums=settings.datums, weights=weight
+        )
         return pose.apply(some.point_mm, some.normal, deviation_mm)
 
     return PointSet(
         name="surface", id=some.id, feature=some.feature, point_mm=some.point_mm,
         normal=some.normal, states=prediction.states, predicted_mm=prediction.deviation_mm[cut],
-        align=aligned, job=job, effects=effects,
+        align=aligned, job=job, effects=effects, weight=weight,
         bare=(points.point_mm[~cut], points.normal[~cut]),
     )  # fmt: skip
 

@@ -47,6 +47,8 @@ class PointSet:
         Those of the job.
     measured_mm, u_mm : (C,) float64, optional
         Measured deviations and their standard uncertainty.
+    weight : (C,) float64, optional
+        How much each point counts in means and shares; 1 for all without it.
     bare : tuple of (B, 3) float64
         Points that no tool cut and their normals; nothing is shown near them.
     kept : dict
@@ -65,6 +67,7 @@ class PointSet:
     effects: tuple[EffectInstance, ...]
     measured_mm: np.ndarray | None = None
     u_mm: np.ndarray | None = None
+    weight: np.ndarray | None = None
     bare: tuple[np.ndarray, np.ndarray] = (np.zeros((0, 3)), np.zeros((0, 3)))
     kept: dict = field(default_factory=dict)
 
@@ -73,7 +76,7 @@ class PointSet:
 
     def only(self, rows: np.ndarray) -> PointSet:
         """Some of the points, `rows` (C,) bool; what was aligned over all of them stays so."""
-        some = {name: getattr(self, name) for name in ("measured_mm", "u_mm")}
+        some = {name: getattr(self, name) for name in ("measured_mm", "u_mm", "weight")}
         return replace(
             self, id=self.id[rows], feature=self.feature[rows], point_mm=self.point_mm[rows],
             normal=self.normal[rows], states=self.states[rows],

@@ -37,18 +37,21 @@ class Quantity:
         Name of the set of points that it is known at.
     has_models : bool
         Whether it depends on the arms that the error model takes.
+    is_signed : bool
+        Whether it has a direction: material left on or cut off; else it is a size.
     """
 
     name: str
     label: str
     points: str
     has_models: bool = False
+    is_signed: bool = True
 
 
 def quantities(model: PartModel) -> tuple[Quantity, ...]:
     """All that this part can be coloured by."""
     found = [Quantity("deviation", "Predicted deviation", "surface", has_models=True)]
-    if model.job.measured is not None:
+    if model.has_measured_part:
         found += [
             Quantity("residual", "Measured − predicted", "measured", has_models=True),
             Quantity("measured", "Measured deviation", "measured"),
@@ -56,7 +59,7 @@ def quantities(model: PartModel) -> tuple[Quantity, ...]:
     found += [
         Quantity("change", "What the sliders change", "surface"),
         Quantity("difference", "Abbe − HTM", "surface"),
-        Quantity("uncertainty", "Standard uncertainty", "surface"),
+        Quantity("uncertainty", "Standard uncertainty", "surface", is_signed=False),
     ]
     sources = model.surface.budget(Variant.ABBE).sources
     return (*found, *(Quantity(_SHARE + s, f"Share of {s}", "surface") for s in sources))
@@ -101,8 +104,9 @@ def values_mm(
 def figures_of(points: PointSet, value_mm: np.ndarray, tolerance_mm: float) -> dict[str, Any]:
     """Figures of a quantity for the page, um: over all, by feature, the worst places, its scale."""
     names, number = points.features
-    everything = _statistics(value_mm, np.zeros(len(points), int), 1, tolerance_mm)
-    by_feature = _statistics(value_mm, number, len(names), tolerance_mm)
+    weight = np.ones(len(points)) if points.weight is None else points.weight
+    everything = _statistics(value_mm, weight, np.zeros(len(points), int), 1, tolerance_mm)
+    by_feature = _statistics(value_mm, weight, number, len(names), tolerance_mm)
     return {
         "points": points.name,
         "range_um": um_from_mm(colour_range([value_mm])),
@@ -114,17 +118,20 @@ def figures_of(points: PointSet, value_mm: np.ndarray, tolerance_mm: float) -> d
 
 
 def _statistics(
-    value_mm: np.ndarray, group: np.ndarray, count: int, tolerance_mm: float
+    value_mm: np.ndarray, weight: np.ndarray, group: np.ndarray, count: int, tolerance_mm: float
 ) -> list[dict[str, float]]:
-    """Figures of every group, of which `group` (C,) has the numbers."""
+    """Figures of every group, of which `group` (C,) has the numbers; as the reports weight them."""
     um = um_from_mm(value_mm)
     low, high = np.full(count, np.inf), np.full(count, -np.inf)
     np.minimum.at(low, group, um)
     np.maximum.at(high, group, um)
     points = np.bincount(group, minlength=count)
 
-    def mean(weights: np.ndarray) -> np.ndarray:
-        return np.bincount(group, weights, minlength=count) / np.maximum(points, 1)
+    of_group = np.bincount(group, weight, minlength=count)
+    whole = np.where(points > 0, of_group, 1.0)
+
+    def mean(values: np.ndarray) -> np.ndarray:
+        return np.bincount(group, values * weight, minlength=count) / whole
 
     columns = {
         "count": points,

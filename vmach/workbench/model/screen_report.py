@@ -36,6 +36,8 @@ class Shown:
     facts : mapping of str to str
         What else the reader has to know: error model, sliders.
     tolerance_mm : float
+    is_signed : bool
+        Whether the values have a direction; else they are sizes.
     """
 
     points: PointSet
@@ -43,6 +45,7 @@ class Shown:
     label: str
     facts: Mapping[str, str]
     tolerance_mm: float
+    is_signed: bool = True
 
 
 def write_screen_report(
@@ -65,7 +68,10 @@ def write_screen_report(
     inspected = InspectedPoints(
         id=points.id, feature=points.feature, point_mm=points.point_mm, normal=points.normal,
         line=states.line, tool=states.tool, move=states.move, time_s=states.time_s,
-        columns=(Column(name, shown.label, shown.value_mm, status),),
+        columns=(
+            Column(name, shown.label, shown.value_mm, status, weight=points.weight,
+                   is_signed=shown.is_signed),
+        ),
         u_mm=points.u_mm,
     )  # fmt: skip
     onto = points.on_mesh(model.mesh)

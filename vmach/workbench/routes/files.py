@@ -6,6 +6,7 @@ import asyncio
 import difflib
 import itertools
 from pathlib import Path
+from urllib.parse import quote
 
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
@@ -17,7 +18,7 @@ from vmach.files.job_name import free_job_name
 from vmach.workbench.added_readings import job_with_readings
 from vmach.workbench.exchange import read_content, read_json, session_of
 from vmach.workbench.opened_folder import MOST_UPLOADED, OpenedFolder
-from vmach.workbench.session import Session
+from vmach.workbench.session import RESULTS, Session
 from vmach.workbench.steps_back import Step
 
 __all__ = ["routes"]
@@ -54,10 +55,20 @@ async def _show(request: Request) -> Response:
 
 
 async def _download(request: Request) -> Response:
-    path = _folder(request).existing(request.path_params["name"])
-    name = path.name.replace('"', "").encode("ascii", "replace").decode()
-    headers = {"content-disposition": f'attachment; filename="{name}"'}
+    folder = _folder(request)
+    path = folder.existing(request.path_params["name"])
+    name = _name_outside(folder, path)
+    plain = name.replace('"', "").encode("ascii", "replace").decode()
+    said = f"attachment; filename=\"{plain}\"; filename*=UTF-8''{quote(name, safe='')}"
+    headers = {"content-disposition": said}
     return Response(path.read_bytes(), media_type="application/octet-stream", headers=headers)
+
+
+def _name_outside(folder: OpenedFolder, path: Path) -> str:
+    """The name of a file beside those of other jobs: a result carries the name of its job."""
+    inside = path.relative_to(folder.root).parts
+    is_result = len(inside) > 2 and inside[0] == RESULTS
+    return f"{inside[1]}-{path.name}" if is_result else path.name
 
 
 async def _upload(request: Request) -> Response:
@@ -93,8 +104,8 @@ async def _readings(request: Request) -> Response:
     except VmachError:
         name.unlink()
         raise
-    session.open(name)
-    return JSONResponse(session.record())
+    is_opened = session.open_next(name, after=job)
+    return JSONResponse(session.record() | {"made": name.name, "is_opened": is_opened})
 
 
 def _is_plain(value: object) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,8 @@ from vmach.workbench.session import Session
 
 __all__ = ["routes"]
 
+#: the status of an answer that asks first
+_WOULD_END_WORK = 409
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,60}")
 
 
@@ -62,8 +65,13 @@ async def _start_page(request: Request) -> Response:
 async def _open(request: Request) -> Response:
     """Open a job that the start page offers, or one of the opened folder."""
     session = session_of(request)
-    name = str((await read_json(request)).get("job", ""))
-    session.open(_offered(session, name))
+    told = await read_json(request)
+    job = _offered(session, str(told.get("job", "")))
+    ending = session.work_that_ends_with(job)
+    if ending and told.get("ends_work") is not True:
+        said = f"{', '.join(ending)} is at work in {session.folder.root}"
+        return refused(f"{said}; opening a job of another folder ends it", _WOULD_END_WORK)
+    session.open(job)
     return JSONResponse(session.record())
 
 
@@ -84,7 +92,11 @@ async def _new_job(request: Request) -> Response:
     folder = session.folder or OpenedFolder(Path.cwd().resolve())
     name = told.get("name")
     if not isinstance(name, str) or not _NAME.fullmatch(name):
-        raise InputError(f"name = {str(name)[:60]!r}", accepted="letters, digits, - and _")
+        raise InputError(
+            f"name = {str(name)[:60]!r}",
+            accepted="letters a to z without accents, digits, - and _, without blanks",
+            hint=f"{_plain_name(str(name))!r} would do",
+        )
     text = new_job_text(told)
     for key in ("machine", "program", "nominal", "measured"):
         if told.get(key):
@@ -93,8 +105,19 @@ async def _new_job(request: Request) -> Response:
     if path.exists():
         raise InputError("file is there already", file=path.name, hint="choose another name")
     path.write_text(text, encoding="utf-8")
+    try:
+        await session.check_job(path)
+    except BaseException:
+        path.unlink()
+        raise
     session.open(path)
     return JSONResponse(session.record())
+
+
+def _plain_name(name: str) -> str:
+    """The nearest name that is accepted."""
+    bare = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    return re.sub(r"[^A-Za-z0-9_-]+", "-", bare).strip("-_")[:60] or "job"
 
 
 async def _compare(request: Request) -> Response:

@@ -57,8 +57,9 @@ async def _add(request: Request) -> Response:
 
     async def done(run: CommandRun) -> dict[str, Any]:
         found = json.loads(run.output)
-        session.open(job.parent / Path(found["job"]).name)
-        _history(session)
+        found["is_opened"] = session.open_next(job.parent / Path(found["job"]).name, after=job)
+        if found["is_opened"]:
+            _history(session)
         return found
 
     words = ["add", job.name, *effects, "--json", *_own_effects(session)]
@@ -75,7 +76,7 @@ async def _keep(request: Request) -> Response:
 
     async def done(run: CommandRun) -> dict[str, Any]:
         found = json.loads(run.output)
-        session.open(job.parent / Path(found["job"]).name)
+        found["is_opened"] = session.open_next(job.parent / Path(found["job"]).name, after=job)
         return found
 
     return _start(

@@ -1,6 +1,11 @@
 // What the page asks the server for. Every question names itself as the page's; the token is a cookie.
 
-export class Refused extends Error {}
+export class Refused extends Error {
+  constructor(message, status = null) {
+    super(message);
+    this.status = status;
+  }
+}
 export const TAB = Math.random().toString(36).slice(2);
 
 async function ask(address, options = {}) {
@@ -12,7 +17,7 @@ async function ask(address, options = {}) {
   }
   if (answer.ok) return answer;
   const told = await answer.json().catch(() => ({}));
-  throw new Refused(told.error ?? `the server answers ${answer.status}`);
+  throw new Refused(told.error ?? `the server answers ${answer.status}`, answer.status);
 }
 
 export const get = async (address) => (await ask(address)).json();
@@ -35,3 +40,7 @@ export const postFramed = async (address, what) =>
   unframed(await ask(address, { method: "POST", body: JSON.stringify(what) }));
 export const query = (values) => new URLSearchParams(
   Object.entries(values).filter(([, value]) => value !== null && value !== undefined)).toString();
+// The address of a result in the folder: its name may have any character.
+const inAddress = (name) => name.split("/").map(encodeURIComponent).join("/");
+export const showAddress = (name) => "/show/" + inAddress(name);
+export const downloadAddress = (name) => "/download/" + inAddress(name);

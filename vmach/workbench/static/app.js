@@ -1,11 +1,12 @@
 // The page comes alive: state, events, tabs.
 
-import { attempt, bench, notice } from "./bench.js";
+import { attempt, bench, notice, once, settle } from "./bench.js";
 import { get, post } from "./api.js";
 import { byId, el } from "./dom.js";
 import { comparePanel } from "./compare.js";
 import { compensatePanel } from "./compensate.js";
 import { diagnosePanel } from "./diagnose.js";
+import { listenToServer } from "./events.js";
 import { lookPanel } from "./look.js";
 import { listenToPlayer } from "./player.js";
 import { clearMark, listenToProgram, openProgram } from "./program.js";
@@ -18,7 +19,7 @@ import { whatIfPanel } from "./what_if.js";
 
 const PANELS = { look: ["Look", lookPanel], "what-if": ["What if", whatIfPanel], diagnose: ["Diagnose", diagnosePanel],
   propose: ["Own law", proposePanel], compensate: ["Compensate", compensatePanel], compare: ["Compare", comparePanel] };
-let shownRevision = null;
+let shownRevision = null, shownPlace = null;
 
 function makeTabs() {
   for (const [name, [word, fill]] of Object.entries(PANELS)) {
@@ -60,7 +61,10 @@ async function showState(state) {
     document.body.dataset.ready = "start";
     return showStart();
   }
-  hideStart();
+  const place = `${state.folder}/${state.job}`;
+  if (place !== shownPlace) settle(); // what was wrong was so of another job
+  if (place !== shownPlace || state.revision !== shownRevision) hideStart();
+  shownPlace = place;
   byId("job-name").textContent = state.name;
   document.title = `${state.name} – vmach`;
   if (state.revision === shownRevision) return bench.tell("state");
@@ -86,15 +90,17 @@ async function showJob(revision) {
     await loadPart();
     if (revision !== shownRevision) return;
     showPoint(null);
-    byId("veil").hidden = true;
+    byId("veil").hidden = !stage.noPicture;
+    byId("veil").textContent = stage.noPicture ?? "";
+    settle("job");
     bench.tell("part");
     document.body.dataset.ready = "part";
   } catch (error) {
     if (revision !== shownRevision) return;
     const again = el("button", { type: "button" }, "Read it again");
-    again.onclick = attempt(() => post("/api/reload"));
+    again.onclick = once(() => post("/api/reload"));
     byId("veil").replaceChildren(el("span", {}, error.message), again);
-    notice(error.message);
+    notice(error.message, "error", "job");
     document.body.dataset.ready = "trouble";
   }
 }
@@ -105,8 +111,8 @@ function showUndo() {
   const word = steps?.undo ?? (before ? "+ " + chain[at].added.join(", ") : null);
   Object.assign(byId("undo"), { hidden: !job || !word, textContent: `Undo: ${word}`, title: "Ctrl-Z; no file goes away" });
   Object.assign(byId("redo"), { hidden: !job || !steps?.redo, textContent: "Redo", title: `Do again: ${steps?.redo}` });
-  byId("undo").onclick = attempt(() => (steps?.undo ? post("/api/undo") : post("/api/open", { job: before.job })));
-  byId("redo").onclick = attempt(() => post("/api/redo"));
+  byId("undo").onclick = once(() => (steps?.undo ? post("/api/undo") : post("/api/open", { job: before.job })));
+  byId("redo").onclick = once(() => post("/api/redo"));
 }
 
 // Texts have an undo of their own.
@@ -123,27 +129,39 @@ function listenToKeys() {
 
 // ---- what happens
 
-function listen() {
-  const source = new EventSource("/api/events");
-  const on = (kind, work) => source.addEventListener(kind, (event) => attempt(work)(JSON.parse(event.data)));
-  on("hello", async (state) => { // as it is now; what follows are changes of it
-    byId("notices").querySelector(".lost")?.remove();
+const HAPPENS = {
+  hello: async (state) => { // as it is now; what follows are changes of it
+    settle("lost");
     await showState(state);
-  });
-  on("job", showState);
-  on("run", takeRun);
-  on("changes", (what) => { bench.state.changes = what.changes; bench.tell("changes", what); });
-  on("shown", (what) => { Object.assign(bench.state.shown, what); bench.tell("shown"); });
-  on("steps", (steps) => { bench.state.steps = steps; showUndo(); });
-  on("effect-text", ({ file }) => bench.tell("effect-text", file));
-  on("other", ({ job }) => { bench.state.other = job; bench.tell("other", job); });
-  on("files", ({ names }) => notice(`${names.join(", ")} changed on the disk and was read again`, "news"));
-  on("goodbye", () => { source.close(); goodbye(); });
-  source.onerror = () => { if (!byId("notices").querySelector(".lost") && source.readyState !== 2) notice("The workbench does not answer; waiting for it.", "lost"); };
+  },
+  job: showState,
+  run: takeRun,
+  changes: (what) => { bench.state.changes = what.changes; bench.tell("changes", what); },
+  shown: (what) => { Object.assign(bench.state.shown, what); bench.tell("shown"); },
+  steps: (steps) => { bench.state.steps = steps; showUndo(); },
+  "effect-text": ({ file }) => bench.tell("effect-text", file),
+  other: ({ job }) => { bench.state.other = job; bench.tell("other", job); },
+  files: ({ names }) => notice(`${names.join(", ")} changed on the disk and was read again`, "news"),
+  lost: () => notice("The workbench does not answer; waiting for it.", "lost", "lost"),
+  ended: () => goodbye("The workbench has ended", "Another one answers at this address. Open the address that its vmach open printed."),
+  goodbye: () => goodbye("The workbench is closed", "Everything that was done is in the job's folder; vmach open starts it again."),
+};
+
+function listen() {
+  listenToServer((kind, what) => attempt(HAPPENS[kind])(what));
 }
 
-function goodbye() {
-  document.body.replaceChildren(el("main", { class: "start" }, el("h1", {}, "The workbench is closed"), el("p", { class: "lead" }, "Everything that was done is in the job's folder; vmach open starts it again.")));
+// What a job was made into, where another one was opened meanwhile.
+function offerJob({ kind, state, result }) {
+  if (state !== "done" || !["add", "keep"].includes(kind)) return;
+  if (result.is_opened) return kind === "add" ? choose("diagnose") : null;
+  const button = el("button", { type: "button" }, "Open it"), name = result.job.split("/").at(-1);
+  button.onclick = once(async () => { await post("/api/open", { job: name }); settle("made " + name); });
+  notice([`${name} is written; another job was opened meanwhile. `, button], "news stay", "made " + name);
+}
+
+function goodbye(title, text) {
+  document.body.replaceChildren(el("main", { class: "start" }, el("h1", {}, title), el("p", { class: "lead" }, text)));
 }
 
 function start() {
@@ -154,10 +172,8 @@ function start() {
   listenToKeys();
   byId("home").onclick = showStart;
   listenToReports();
-  byId("shut-down").onclick = attempt(() => post("/api/shut-down"));
-  bench.on("run", (run) => {
-    if (run.kind === "add" && run.state === "done") choose("diagnose");
-  });
+  byId("shut-down").onclick = once(() => post("/api/shut-down"));
+  bench.on("run", offerJob);
   listen();
 }
 

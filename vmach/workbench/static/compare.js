@@ -1,9 +1,9 @@
 // Compare: another job beside the open one, turning with it; the difference where the parts are alike.
 
-import { attempt, bench } from "./bench.js";
+import { attempt, bench, notice, settle } from "./bench.js";
 import { bytes, framed, get, post, query } from "./api.js";
-import { byId, el, fixed, redraw, signed } from "./dom.js";
-import { applyValues, loadValues, pairsOf, stage } from "./stage.js";
+import { byId, el, fixed, redraw, shortNames, signed } from "./dom.js";
+import { applyValues, isSigned, loadValues, needPicture, pairsOf, stage } from "./stage.js";
 
 const other = { scene: null, about: null, figures: null, mine: null, isAlike: false, isDifference: false, jobs: null };
 
@@ -26,9 +26,13 @@ export function comparePanel(panel) {
 }
 
 function parts() {
+  const jobs = [...new Set([...(other.jobs ?? []), ...(bench.state.other ? [bench.state.other] : [])])], names = shortNames(jobs);
   const select = el("select", { "aria-label": "Job to compare with" }, el("option", { value: "" }, "nothing"),
-    (other.jobs ?? []).map((job) => el("option", { value: job, selected: job === bench.state.other }, job.split("/").slice(-2).join("/"))));
-  select.onchange = attempt(({ target }) => post("/api/compare", { job: target.value || null }));
+    jobs.map((job) => el("option", { value: job, selected: job === bench.state.other }, names.get(job))));
+  select.onchange = attempt(({ target }) => {
+    settle("compare");
+    return post("/api/compare", { job: target.value || null });
+  });
   const rows = [el("label", { class: "choice" }, el("span", {}, "Compare with"), select),
     el("p", { class: "soft" }, "Two machines, two programs or two days: both parts turn together, in the same colours.")];
   if (!other.about) return rows;
@@ -49,24 +53,40 @@ function parts() {
 }
 
 function table() {
-  const { mine, figures: its } = other;
+  const { mine, figures: its } = other, number = isSigned() ? signed : fixed;
   const rows = [["RMS", "rms_um"], ["Mean", "mean_um"], ["Highest", "high_um"], ["Lowest", "low_um"]].map(([word, key]) =>
-    el("tr", {}, el("th", { scope: "row" }, word), ...[mine, its].map((f) => el("td", { class: "value" }, key === "rms_um" ? fixed(f[key]) : signed(f[key]))),
+    el("tr", {}, el("th", { scope: "row" }, word), ...[mine, its].map((f) => el("td", { class: "value" }, (key === "rms_um" ? fixed : number)(f[key]))),
       el("td", { class: "value" }, signed(mine[key] - its[key]))));
   const head = ["µm", "this", "the other", "difference"].map((word) => el("th", { scope: "col" }, word));
   return el("table", { class: "rows" }, el("thead", {}, el("tr", {}, head)), el("tbody", {}, rows));
 }
 
 async function load(job) {
-  if (!job) {
-    stage.scenes = [stage.scene];
-    Object.assign(other, { about: null, figures: null, isDifference: false });
-    showViews();
-    return loadValues();
+  if (!job) return putAway();
+  try {
+    needPicture();
+    await show(job);
+  } catch (error) {
+    if (job !== bench.state.other) return; // another choice since
+    notice(error.message, "error", "compare"); // it stays while the choice goes back to nothing
+    await putAway();
+    await post("/api/compare", { job: null });
   }
+}
+
+function putAway() {
+  stage.scenes = stage.scene ? [stage.scene] : [];
+  const wasThere = other.about !== null;
+  Object.assign(other, { about: null, figures: null, isDifference: false });
+  showViews();
+  return wasThere ? loadValues() : null;
+}
+
+async function show(job) {
   byId("other-view").hidden = false;
   byId("other-caption").textContent = "Machining the other part …";
   const [about, packed] = [await get("/api/other/about"), await bytes("/api/other/mesh")];
+  if (job !== bench.state.other) return; // another choice since
   const model = new Model(await unpackPayload(packed)), mine = stage.scene.model;
   other.about = about;
   other.isAlike = model.vertices.length === mine.vertices.length && model.vertices.every((x, i) => Math.abs(x - mine.vertices[i]) < 1e-2);

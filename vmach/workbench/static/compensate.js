@@ -1,7 +1,7 @@
 // Compensate: choices, progress, before and after, what changed in the text, and the program to take along.
 
 import { attempt, bench, isAtWork } from "./bench.js";
-import { get } from "./api.js";
+import { downloadAddress, get, showAddress } from "./api.js";
 import { el, fixed, micro, redraw } from "./dom.js";
 import { runBox, startRun } from "./runs.js";
 
@@ -45,8 +45,8 @@ function parts() {
   const { figures, program, page, run } = found;
   if (state.of !== run) loadDifference(run, program);
   return [figuresTable(figures), el("div", { class: "row" },
-    el("a", { class: "button primary", href: "/download/" + program, download: "" }, "Download the program"),
-    el("a", { href: "/show/" + page, target: "_blank", rel: "noopener" }, "its report")),
+    el("a", { class: "button primary", href: downloadAddress(program), download: "" }, "Download the program"),
+    el("a", { href: showAddress(page), target: "_blank", rel: "noopener" }, "its report")),
     ...figures.notes.map((note) => el("p", { class: "remark" }, micro(note))),
     figures.uncorrected.length ? el("p", { class: "remark" }, "Not corrected: " + figures.uncorrected.map((u) => micro(u.what)).join("; ")) : null,
     differenceView(), box];

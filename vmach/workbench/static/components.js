@@ -8,5 +8,7 @@ export function componentWords(symbol) {
   const [, what, axis] = of;
   if (what === axis) return `positioning of ${axis}`;
   if ("XYZ".includes(what)) return `straightness of ${axis} in ${what}`;
-  return about(what) === axis ? `roll of ${axis}` : `tilt of ${axis} about ${about(what)}`;
+  if (about(what) === axis) return `roll of ${axis}`;
+  const [first, second] = { X: "YZ", Y: "XZ", Z: "XY" }[axis] ?? "";
+  return `${about(what) === first ? "pitch" : about(what) === second ? "yaw" : "tilt"} of ${axis}, about ${about(what)}`;
 }

@@ -1,8 +1,9 @@
 // How the error fell, model by model: on what was fitted, and on what was held out.
 
-import { attempt, bench } from "./bench.js";
+import { bench, isAtWork, once } from "./bench.js";
 import { post } from "./api.js";
 import { el, fixed, svg } from "./dom.js";
+import { startRun } from "./runs.js";
 
 const APART = 16; // px between the values of two marks of one model
 const WIDTH = 380, HEIGHT = 190, LEFT = 40, RIGHT = 16, TOP = 14, BOTTOM = 26;
@@ -16,7 +17,16 @@ export function historyCurve() {
     fitted: step.after_um ?? chain[i + 1]?.before_um ?? found[step.job]?.rms_um,
     heldOut: found[step.job]?.check_rms_um ?? found[step.job]?.held_out_um,
   }));
-  return el("section", { class: "history" }, el("h3", {}, "How the error fell"), plot(steps), buttons(steps));
+  const isKnown = steps.some((step) => [step.fitted, step.heldOut].some((v) => typeof v === "number"));
+  return el("section", { class: "history" }, el("h3", {}, isKnown ? "How the error fell" : "Jobs of this chain"), isKnown ? plot(steps) : evaluate(), buttons(steps));
+}
+
+// Readings that were added say nothing of the error yet.
+function evaluate() {
+  if (!bench.about?.is_measured) return null;
+  const button = el("button", { type: "button", disabled: isAtWork("history") }, "Evaluate the models");
+  button.onclick = () => startRun("/api/history");
+  return el("div", { class: "row" }, button, el("span", { class: "soft" }, "shows how the error fell"));
 }
 
 function plot(steps) {
@@ -58,7 +68,7 @@ function plot(steps) {
 function buttons(steps) {
   return el("ol", { class: "steps" }, steps.map((step) => {
     const button = el("button", { type: "button", disabled: step.is_open, title: step.job }, step.is_open ? "open" : step.is_later ? "Forward to it" : "Back to it");
-    button.onclick = attempt(() => post("/api/open", { job: step.job }));
+    button.onclick = once(() => post("/api/open", { job: step.job }));
     return el("li", { class: step.is_later ? "later" : step.is_open ? "open" : "" },
       el("span", {}, el("b", {}, step.added.length ? "+ " + step.added.join(", ") : "as given"), " ", el("code", {}, step.job)), button);
   }));

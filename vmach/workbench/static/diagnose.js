@@ -1,7 +1,7 @@
 // Diagnose: what the measurements say the model lacks, on cards with Add; the curve of the error.
 
 import { attempt, bench, isAtWork } from "./bench.js";
-import { get } from "./api.js";
+import { downloadAddress, get, showAddress } from "./api.js";
 import { el, fixed, micro, redraw, short, units } from "./dom.js";
 import { historyCurve } from "./curve.js";
 import { readingsForm } from "./readings.js";
@@ -15,14 +15,22 @@ const VERDICTS = {
   unknown: "Something real is left that no known effect explains",
   nothing: "The measurements agree with the model",
 };
-const state = { measured: null, isWhole: false };
+const state = { measured: null, trouble: null, isWhole: false };
 
 export function diagnosePanel(panel) {
   const draw = state.draw = () => redraw(panel, parts());
   for (const kind of ["part", "run", "shown", "state"]) bench.on(kind, draw);
   bench.on("part", attempt(async () => {
-    state.measured = null;
-    if (bench.about.is_measured) state.measured = await get("/api/measured");
+    const { revision } = bench.state;
+    Object.assign(state, { measured: null, trouble: null });
+    draw();
+    if (!bench.about.is_measured) return;
+    try {
+      const measured = await get("/api/measured");
+      if (revision === bench.state.revision) state.measured = measured;
+    } catch (error) {
+      if (revision === bench.state.revision) state.trouble = error.message;
+    }
     draw();
   }));
 }
@@ -31,6 +39,7 @@ function parts() {
   if (!bench.about) return [];
   if (!bench.about.is_measured)
     return [el("p", { class: "soft" }, "Nothing was measured for this job. A diagnosis needs points of a CMM, or readings of an instrument."), readingsForm()];
+  if (state.trouble) return [el("p", { class: "trouble", role: "alert" }, state.trouble), readingsForm()];
   const found = bench.state.shown?.diagnosis, busy = isAtWork("diagnose") || isAtWork("add");
   const button = el("button", { type: "button", class: "primary", disabled: busy, id: "diagnose" }, found ? "Diagnose again" : "Diagnose");
   button.onclick = () => startRun("/api/diagnose");
@@ -132,16 +141,16 @@ function details(rows) {
 
 function next(found) {
   return el("article", { class: "card next" }, el("h4", {}, "Measure next"), el("p", {}, micro(found.next_measurement.text)),
-    found.program ? el("p", {}, el("a", { href: "/download/" + found.program, download: "" }, "Download its NC program")) : null,
-    el("p", { class: "soft" }, "Drop its readings below."));
+    found.program ? el("p", {}, el("a", { href: downloadAddress(found.program), download: "" }, "Download its NC program")) : null,
+    found.program ? el("p", { class: "soft" }, "Drop its readings below.") : null);
 }
 
 function whole(found) {
   const toggle = el("button", { type: "button", "aria-expanded": String(state.isWhole) }, "All plots");
   toggle.onclick = () => { state.isWhole = !state.isWhole; state.draw(); };
-  const address = `/show/${found.page}?run=${found.run}`; // another diagnosis is another page
+  const address = `${showAddress(found.page)}?run=${found.run}`; // another diagnosis is another page
   const frame = state.isWhole ? el("iframe", { title: "The whole diagnosis", class: "whole", id: "whole-" + found.run, sandbox: "allow-scripts", src: address }) : null;
   return el("section", {}, el("div", { class: "row" }, toggle,
-    el("a", { href: "/show/" + found.page, target: "_blank", rel: "noopener" }, "open"),
-    el("a", { href: "/download/" + found.page, download: "" }, "download")), frame);
+    el("a", { href: showAddress(found.page), target: "_blank", rel: "noopener" }, "open"),
+    el("a", { href: downloadAddress(found.page), download: "" }, "download")), frame);
 }

@@ -1,4 +1,4 @@
-// Elements, and numbers as people write them.
+// Elements, and numbers as people write and read them.
 
 export const byId = (id) => document.getElementById(id);
 
@@ -59,6 +59,29 @@ export function svg(tag, attributes = {}, ...children) {
   return made;
 }
 
+// ---- what people write: a decimal point, or a decimal comma
+
+const NUMBER = /^[+\-−]?(\d+[.,]?\d*|[.,]\d+)(e[+-]?\d+)?$/i;
+const valueOf = (text) => (NUMBER.test(text) ? Number(text.replace("−", "-").replace(",", ".")) : NaN);
+
+const THOUSANDS = /^[+\-−]?[1-9]\d{0,2}(,\d{3})+$/; // 1,500 may be either
+
+export function oneNumber(text, what) {
+  const value = THOUSANDS.test(text.trim()) ? NaN : valueOf(text.trim());
+  if (Number.isFinite(value)) return value;
+  throw new Error(`${what}: ${text.trim()}; accepted: one number, such as 1.5`);
+}
+
+// Three numbers between blanks, semicolons or commas; a comma is a decimal one where the numbers are apart without it.
+export function threeNumbers(text, what) {
+  const apart = text.trim().split(/\s*;\s*|\s*,\s+|\s+/), plain = text.trim().split(",");
+  const values = (apart.length === 1 && plain.length === 3 ? plain : apart).map(valueOf);
+  if (values.length === 3 && values.every(Number.isFinite)) return values;
+  throw new Error(`${what}: ${text.trim()}; accepted: three numbers, such as 1.5, 20, -3`);
+}
+
+// ---- what people read
+
 const minus = (text) => text.replace("-", "−");
 export const fixed = (value, digits = 2) => minus(value.toFixed(digits));
 export const signed = (value, digits = 2) => {
@@ -83,4 +106,14 @@ export function commandLine(text) {
     setTimeout(() => { currentTarget.textContent = "copy"; }, 1200);
   };
   return el("div", { class: "command" }, el("code", {}, text), button);
+}
+
+// Names of jobs for people: the end of each path, as long as it takes to tell it from the others.
+export function shortNames(paths) {
+  const end = (path, count) => path.split("/").slice(-count).join("/");
+  return new Map(paths.map((path) => {
+    let count = 2;
+    while (count < path.split("/").length && paths.some((one) => one !== path && end(one, count) === end(path, count))) count++;
+    return [path, end(path, count)];
+  }));
 }

@@ -1,9 +1,10 @@
 // Look: the point that was clicked with the share of every error, the worst places, the features.
 
+import { showAddress } from "./api.js";
 import { bench } from "./bench.js";
 import { componentWords } from "./components.js";
 import { clock, el, fixed, micro, redraw, signed } from "./dom.js";
-import { faceWorst, MODEL_WORDS } from "./stage.js";
+import { faceWorst, isSigned, MODEL_WORDS } from "./stage.js";
 
 const MOST_SHARES = 12;
 
@@ -68,8 +69,9 @@ function showWorst(section, figures) {
 }
 
 function showFeatures(section, figures) {
+  const number = isSigned() ? signed : fixed;
   const rows = figures.features.filter((f) => f.count).sort((a, b) => b.rms_um - a.rms_um).map((f) =>
-    el("tr", {}, el("th", { scope: "row" }, f.name || "–"), el("td", { class: "value" }, fixed(f.rms_um)), el("td", { class: "value" }, signed(f.low_um)), el("td", { class: "value" }, signed(f.high_um))));
+    el("tr", {}, el("th", { scope: "row" }, f.name || "–"), el("td", { class: "value" }, fixed(f.rms_um)), el("td", { class: "value" }, number(f.low_um)), el("td", { class: "value" }, number(f.high_um))));
   const head = el("tr", {}, ["Feature", "RMS", "from", "to, µm"].map((word) => el("th", { scope: "col" }, word)));
   redraw(section, [el("h3", {}, "Features"), el("table", { class: "rows" }, el("thead", {}, head), el("tbody", {}, rows))]);
 }
@@ -82,7 +84,7 @@ function showNotes(section) {
     ["Effects", about.effects.join(", ") || "none beside the error tables"],
   ];
   redraw(section, [el("h3", {}, "The job"), machined ? el("p", { class: "lead" }, "It is machined: ",
-    el("a", { href: "/show/" + machined.page, target: "_blank", rel: "noopener" }, "its report")) : null,
+    el("a", { href: showAddress(machined.page), target: "_blank", rel: "noopener" }, "its report")) : null,
     el("dl", { class: "facts" }, facts.map(([word, value]) => el("div", {}, el("dt", {}, word), el("dd", {}, value)))),
     ...about.notes.map((note) => el("p", { class: "remark" }, micro(note)))]);
 }

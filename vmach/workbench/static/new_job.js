@@ -1,14 +1,24 @@
 // A job made of files: program, machine, CAD, measured points, tools, zero and blank.
 
-import { attempt } from "./bench.js";
+import { attempt, once } from "./bench.js";
 import { get, post, send } from "./api.js";
-import { el } from "./dom.js";
+import { el, oneNumber, threeNumbers } from "./dom.js";
 
 const FILES = { program: ["NC program", [".nc", ".ngc", ".tap", ".mpf", ".h", ".txt"], true], machine: ["Machine file", [".toml"], true],
   nominal: ["Nominal CAD (STEP, STL)", [".step", ".stp", ".stl"], false], measured: ["Measured points (CSV)", [".csv"], false] };
 const THREE = { zero_mm: ["G54: machine coordinates of the workpiece zero, mm", true], min_mm: ["Blank, lowest corner, mm", false], max_mm: ["Blank, highest corner, mm", false] };
 
+const SIZES = { number: "T", diameter_mm: "diameter, mm", length_mm: "nose to tip, mm", corner_radius_mm: "corner radius, mm" };
+let kept = null;
+
+// What was filled in stays until its job is written, also while another page is looked at.
 export function newJobForm(found) {
+  kept ??= makeForm(found);
+  kept.offer(found.files);
+  return kept.form;
+}
+
+function makeForm(found) {
   let files = found.files;
   const selects = {}, rows = el("tbody", {});
   const fill = () => {
@@ -47,14 +57,19 @@ export function newJobForm(found) {
       Object.entries(THREE).map(([key, [text]]) => choice(text, three[key]))),
     el("table", { class: "rows tools" }, el("thead", {}, el("tr", {}, ["T", "Shape", "Diameter, mm", "Nose to tip, mm", "Corner radius, mm"].map((text) => el("th", { scope: "col" }, text)))), rows),
     el("div", { class: "row" }, more, el("button", { class: "primary" }, "Write the job and open it")));
-  form.onsubmit = (event) => {
-    event.preventDefault();
+  const write = once(async () => {
     const told = { name: name.value.trim(), tools: [...rows.children].map(toolOf).filter(Boolean) };
     for (const key of Object.keys(FILES)) told[key] = selects[key].value || null;
-    for (const key of Object.keys(THREE)) told[key] = three[key].value.trim() ? three[key].value.split(/[ ,;]+/).map(Number) : null;
-    attempt(() => post("/api/new-job", told))();
+    for (const [key, [what]] of Object.entries(THREE)) told[key] = three[key].value.trim() ? threeNumbers(three[key].value, what) : null;
+    await post("/api/new-job", told);
+    kept = null;
+  });
+  form.onsubmit = (event) => {
+    event.preventDefault();
+    write({ currentTarget: form.querySelector(".primary") });
   };
-  return el("details", { class: "new" }, el("summary", {}, el("h2", {}, "A new job")), form);
+  const offer = (names) => { files = names; fill(); };
+  return { offer, form: el("details", { class: "new" }, el("summary", {}, el("h2", {}, "A new job")), form) };
 }
 
 function toolRow(number, shapes) {
@@ -67,6 +82,6 @@ function toolOf(row) {
   const value = (name) => row.querySelector(`[name=${name}]`).value.trim();
   if (!value("diameter_mm") && !value("length_mm")) return null;
   const tool = { shape: value("shape") };
-  for (const name of ["number", "diameter_mm", "length_mm", "corner_radius_mm"]) if (value(name)) tool[name] = Number(value(name));
+  for (const [name, what] of Object.entries(SIZES)) if (value(name)) tool[name] = oneNumber(value(name), `tool ${value("number")}, ${what}`);
   return tool;
 }

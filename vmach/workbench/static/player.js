@@ -1,11 +1,11 @@
 // Playback: the tool along the program, and how far off it is, magnified.
 
-import { attempt, bench, isAtWork } from "./bench.js";
+import { attempt, bench, isAtWork, once } from "./bench.js";
 import { framed } from "./api.js";
 import { byId, clock, el, fixed, redraw, signed, svg } from "./dom.js";
 import { follow } from "./program.js";
 import { startRun } from "./runs.js";
-import { stage } from "./stage.js";
+import { needPicture, stage } from "./stage.js";
 
 const SPEEDS = [1, 10, 60, 300], SIDES = 36, TRAIL = 600; // nodes of the path behind the tool
 const CHART = { width: 1000, height: 44, steps: 500 }, MOST_HITS = 4;
@@ -23,7 +23,7 @@ export function listenToPlayer() {
   const hits = el("p", { class: "hits", id: "hits", hidden: true });
   byId("player").replaceChildren(play, slider, speed, close, chart, states, hits, text);
   Object.assign(player, { play, slider, close, text, states, chart, hits });
-  play.onclick = attempt(async () => { await open(); player.isPlaying ? pause() : run(); });
+  play.onclick = once(async () => { await open(); player.isPlaying ? pause() : run(); });
   slider.oninput = attempt(async () => {
     await open();
     pause();
@@ -36,9 +36,18 @@ export function listenToPlayer() {
   bench.on("run", ({ kind }) => { if (kind === "collisions") showHits(); });
 }
 
-async function open() {
-  if (player.data) return;
+// Asked for once, however often it is clicked meanwhile.
+function open() {
+  if (player.data) return null;
+  player.opening ??= load().finally(() => { player.opening = null; });
+  return player.opening;
+}
+
+async function load() {
+  needPicture();
+  const { revision } = bench.state;
   const [facts, data] = await framed("/api/playback");
+  if (revision !== bench.state.revision) throw new Error("The job was read anew; play it again.");
   Object.assign(player, { facts, data });
   for (const one of [player.close, player.states, player.hits]) one.hidden = false;
   player.chart.removeAttribute("hidden");

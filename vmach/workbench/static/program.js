@@ -5,7 +5,7 @@ import { framed, get } from "./api.js";
 import { byId, el, redraw, signed } from "./dom.js";
 import { stage } from "./stage.js";
 
-const ROW = 20, LOT = 400;
+const ROW = 20, LOT = 400, AGAIN_MS = 2000;
 const text = { lines: [], total: 0, loading: new Set(), selected: 0 };
 let highlight = null;
 
@@ -63,6 +63,7 @@ const showLine = attempt(async (line, isFollowed = false) => {
 
 function mark(places) {
   const { overlay, scene } = stage;
+  if (!overlay) return;
   overlay.drop(highlight);
   overlay.parts = overlay.parts.filter((part) => part !== highlight);
   highlight = places.length ? overlay.part(scene.gl.POINTS, places, [0.98, 0.86, 0.1, 1]) : null;
@@ -97,7 +98,13 @@ const load = attempt(async (lot) => {
   if (text.loading.has(lot)) return;
   const { loading } = text;
   loading.add(lot);
-  const found = await get(`/api/program?first=${lot * LOT + 1}&count=${LOT}`);
+  let found;
+  try {
+    found = await get(`/api/program?first=${lot * LOT + 1}&count=${LOT}`);
+  } catch (error) {
+    setTimeout(() => { loading.delete(lot); draw(); }, AGAIN_MS); // as long as it is in sight
+    throw error;
+  }
   if (loading !== text.loading) return; // another program since
   found.lines.forEach((line, i) => { text.lines[lot * LOT + i] = line; });
   draw();

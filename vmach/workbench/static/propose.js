@@ -1,6 +1,6 @@
 // A law of one's own, where the catalogue ends: forms that are proposed, and an editor with the checker's words.
 
-import { attempt, bench, isAtWork } from "./bench.js";
+import { attempt, bench, isAtWork, once } from "./bench.js";
 import { get, put } from "./api.js";
 import { el, fixed, micro, redraw, short } from "./dom.js";
 import { runBox, startRun } from "./runs.js";
@@ -26,6 +26,7 @@ class OwnEffect(Effect):
         # path.nose_mm (P, 3) mm, path.time_s, path.velocity_mm_per_s ...; result (P, 3) mm
         return along(target, 1e-3 * amount_um * path.nose_mm[:, 0] / 500.0)
 `;
+const DRAFT = "vmach-own-law"; // what was written and not saved, kept over a reload
 const state = { file: "own_effect.py", isNew: true, editor: null };
 
 export function proposePanel(panel) {
@@ -56,7 +57,7 @@ function proposals() {
     write.onclick = ({ currentTarget }) => startRun("/api/propose", { name: currentTarget.closest("article").querySelector("input").value.trim(), number: i + 1 });
     return el("article", { class: "card" }, el("h4", {}, el("code", {}, p.formula)),
       el("p", {}, ...amount(p), `${p.direction}; would leave ${fixed(p.remains_um)} µm`),
-      heldOut(p.held_out_um), el("p", { class: "soft" }, "Refuted by: ", micro(p.refuted_by)),
+      heldOut(p.held_out_um), el("p", { class: "soft" }, "To refute it: ", micro(p.refuted_by)),
       el("div", { class: "row" }, name, write));
   }), runBox("propose")];
 }
@@ -77,11 +78,15 @@ function heldOut({ without, with: with_it }) {
 }
 
 function editorSection() {
+  const draft = readDraft();
+  if (draft) Object.assign(state, { file: draft.file, isNew: false });
   const name = el("input", { value: state.file, class: "name", "aria-label": "File of the effect" });
-  const area = el("textarea", { class: "editor", spellcheck: false, value: SKELETON, "aria-label": "Python of the effect" });
+  const area = el("textarea", { class: "editor", spellcheck: false, value: draft?.text ?? SKELETON, "aria-label": "Python of the effect" });
   const numbers = el("pre", { class: "numbers", "aria-hidden": "true" });
   const renumber = () => { numbers.textContent = area.value.split("\n").map((_, i) => i + 1).join("\n"); };
-  area.oninput = renumber;
+  const keepDraft = () => sessionStorage.setItem(DRAFT, JSON.stringify({ file: name.value, text: area.value }));
+  area.oninput = () => { renumber(); keepDraft(); };
+  name.oninput = keepDraft;
   area.onscroll = () => { numbers.scrollTop = area.scrollTop; };
   area.onkeydown = (event) => {
     if (event.key === "Tab" && !event.shiftKey && !event.ctrlKey && document.activeElement === area && area.dataset.free !== "1") {
@@ -91,10 +96,11 @@ function editorSection() {
     area.dataset.free = event.key === "Escape" ? "1" : ""; // Escape, then Tab leaves the editor
   };
   const check = el("button", { type: "button", class: "primary" }, "Save and check");
-  check.onclick = attempt(async () => {
+  check.onclick = once(async () => {
     state.file = name.value.trim();
     await put("/api/effect-file", { file: state.file, text: area.value });
     state.isNew = false;
+    sessionStorage.removeItem(DRAFT);
     await startRun("/api/check-effect", { file: state.file });
   });
   state.editor = { name, area, renumber };
@@ -104,8 +110,17 @@ function editorSection() {
     el("p", { class: "soft" }, "It is Python and runs on this machine with your rights. Escape, then Tab leaves the editor."));
 }
 
+function readDraft() {
+  try {
+    return JSON.parse(sessionStorage.getItem(DRAFT));
+  } catch {
+    return null;
+  }
+}
+
 const load = attempt(async (file) => {
   const found = await get("/api/text?file=" + encodeURIComponent(file));
+  sessionStorage.removeItem(DRAFT);
   Object.assign(state, { file: found.file, isNew: false });
   state.editor.name.value = found.file;
   state.editor.area.value = found.text;

@@ -1,8 +1,8 @@
 // Further readings: a file is dropped, its instrument named, and a new job of the chain has them.
 
-import { attempt, bench } from "./bench.js";
+import { attempt, bench, notice, once } from "./bench.js";
 import { get, post, send } from "./api.js";
-import { el } from "./dom.js";
+import { el, oneNumber, threeNumbers } from "./dom.js";
 
 const state = { forms: null, file: null, section: null, isOpen: false, wanted: null };
 
@@ -28,7 +28,9 @@ function makeForm() {
   const show = () => {
     const form = state.forms?.find((one) => one.kind === kind.value);
     if (!form) return;
-    told.textContent = form.columns.length ? "Columns: " + form.columns.join(", ") : "";
+    const replaced = form.kind === "part" ? bench.about?.measured_file : null;
+    told.textContent = (form.columns.length ? `Columns: ${form.columns.join(", ")}. ` : "")
+      + (replaced ? `They take the place of ${replaced} in the new job; this job keeps it.` : "");
     fields.replaceChildren(...form.fields.map(fieldOf));
   };
   const upload = attempt(async (file) => {
@@ -42,14 +44,11 @@ function makeForm() {
   drop.ondragover = (event) => event.preventDefault();
   drop.ondrop = (event) => { event.preventDefault(); upload(event.dataTransfer.files[0]); };
   kind.onchange = show;
-  take.onclick = attempt(async () => {
+  take.onclick = once(async () => {
     const settings = { kind: kind.value };
-    for (const input of fields.querySelectorAll("[name]")) {
-      if (input.value === "") continue;
-      const numbers = input.value.split(/[ ,;]+/).map(Number);
-      settings[input.name] = input.dataset.is === "choice" ? input.value : input.dataset.is === "three" ? numbers : numbers[0];
-    }
-    await post("/api/readings", { file: state.file, settings });
+    for (const input of fields.querySelectorAll("[name]")) if (input.value.trim() !== "") settings[input.name] = READ[input.dataset.is](input.value, wordsFor(input.name));
+    const { made, is_opened } = await post("/api/readings", { file: state.file, settings });
+    if (!is_opened) notice(`${made} has the readings; another job was opened meanwhile.`, "news stay");
   });
   const made = el("details", { class: "readings", open: state.isOpen }, el("summary", {}, "Further readings"),
     drop, el("label", { class: "choice" }, el("span", {}, "Instrument"), kind), fields, told, take);
@@ -69,8 +68,11 @@ function makeForm() {
   return made;
 }
 
+const READ = { choice: (text) => text, number: oneNumber, three: threeNumbers };
+const wordsFor = (name) => (name === "u_um" ? "standard uncertainty, µm" : name.replace(/_mm$/, ", mm").replace(/_um$/, ", µm").replaceAll("_", " "));
+
 function fieldOf(field) {
-  const words = field.name === "u_um" ? "standard uncertainty, µm" : field.name.replace(/_mm$/, ", mm").replace(/_um$/, ", µm").replaceAll("_", " ");
+  const words = wordsFor(field.name);
   const input = field.is === "choice"
     ? el("select", { name: field.name }, field.choices.map((one) => el("option", { value: one, selected: one === field.value }, one)))
     : el("input", { name: field.name, class: "name", value: field.value ?? "", placeholder: field.is === "three" ? "X, Y, Z" : "", required: field.is_required });

@@ -1,24 +1,24 @@
 // The one-file report: of what is on the screen, or of the job with its virtual part.
 
-import { attempt, bench } from "./bench.js";
-import { post } from "./api.js";
+import { bench, notice, once, settle } from "./bench.js";
+import { downloadAddress, post, showAddress } from "./api.js";
 import { byId, el } from "./dom.js";
 import { startRun } from "./runs.js";
-import { stage } from "./stage.js";
+import { needPicture, stage } from "./stage.js";
 
 const WIDEST = 1600, QUALITY = 0.85;
 
 export function listenToReports() {
   byId("machine").onclick = () => startRun("/api/machine");
-  byId("report").onclick = attempt(async () => {
-    const { scene } = stage;
+  byId("report").onclick = once(async () => {
+    const scene = needPicture();
     const view = { azimuth_rad: scene.azimuth, elevation_rad: scene.elevation, zoom: scene.zoom, target_mm: [...scene.target],
       section: scene.look.section, range_um: stage.rangeUm };
     const { page } = await post("/api/report", { shown: bench.look, tolerance_um: stage.toleranceUm, view, picture: picture(scene), is_difference: Boolean(bench.figures?.isOfTwo) });
-    offer("The report of what is on the screen is made.", page);
+    offer("The report of what is on the screen is made.", page, "report");
   });
   bench.on("run", (run) => {
-    if (run.kind === "machine" && run.state === "done") offer("The part is machined, and its report made.", run.result.page);
+    if (run.kind === "machine" && run.state === "done") offer("The part is machined, and its report made.", run.result.page, "machined");
   });
 }
 
@@ -33,11 +33,8 @@ function picture(scene) {
   return made.toDataURL("image/jpeg", QUALITY);
 }
 
-function offer(word, page) {
-  const made = el("div", { class: "notice news stay" }, el("p", {}, word, " ",
-    el("a", { href: "/show/" + page, target: "_blank", rel: "noopener" }, "Open it"), " · ", el("a", { href: "/download/" + page, download: "" }, "download")));
-  const close = el("button", { class: "close", title: "Dismiss", type: "button" }, "×");
-  close.onclick = () => made.remove();
-  made.append(close);
-  byId("notices").append(made);
+function offer(word, page, about) {
+  settle(about);
+  notice([word, " ", el("a", { href: showAddress(page), target: "_blank", rel: "noopener" }, "Open it"), " · ",
+    el("a", { href: downloadAddress(page), download: "" }, "download")], "news stay", about);
 }

@@ -1,6 +1,6 @@
 // Work that takes a while: what it does, how far it is, a way to stop it, and why it failed.
 
-import { attempt, bench, isAtWork, notice } from "./bench.js";
+import { attempt, bench, isAtWork, notice, settle } from "./bench.js";
 import { post } from "./api.js";
 import { byId, commandLine, el, redraw } from "./dom.js";
 
@@ -36,15 +36,30 @@ export function runBox(kind, isWanted = true) {
   return el("div", { class: "run-box" }, ...parts, commandLine(run.command));
 }
 
-// The server tells all tabs of the run, this one too.
-export const startRun = attempt((address, what = {}) => post(address, what));
+const asked = new Set();
+const begin = attempt(async (address, what) => {
+  const run = await post(address, what);
+  if (!(bench.state.runs ?? []).some((one) => one.number === run.number)) takeRun(run);
+});
+
+// The server tells all tabs of the run, this one too. A second click before the answer does nothing.
+export async function startRun(address, what = {}) {
+  if (asked.has(address)) return;
+  asked.add(address);
+  try {
+    await begin(address, what);
+  } finally {
+    asked.delete(address);
+  }
+}
 
 export function takeRun(run) {
   const runs = bench.state.runs ?? (bench.state.runs = []);
   const at = runs.findIndex((one) => one.number === run.number), before = at < 0 ? null : runs[at];
   if (at < 0) runs.push(run);
   else runs[at] = run;
-  if (run.state === "failed" && before?.state !== "failed") notice(run.message);
+  if (run.state === "failed" && before?.state !== "failed") notice(run.message, "error", "run " + run.kind);
+  else if (run.state !== before?.state) settle("run " + run.kind);
   if (run.state === "stopped" && before?.state !== "stopped") notice(`${WORDS[run.kind] ?? run.kind}: ${run.message}`, "news");
   showRunInHeader();
   bench.tell("run", run);

@@ -1,7 +1,7 @@
 // The part: colours, scale, worst places, the point that was clicked.
 
-import { attempt, bench } from "./bench.js";
-import { bytes, framed, get, query } from "./api.js";
+import { attempt, bench, notice } from "./bench.js";
+import { bytes, framed, get, query, Refused } from "./api.js";
 import { byId, el, fixed, short, signed } from "./dom.js";
 import { componentWords } from "./components.js";
 import { Overlay } from "./overlay.js";
@@ -9,7 +9,8 @@ import { Overlay } from "./overlay.js";
 export const MODEL_WORDS = { abbe: "Abbe", htm: "HTM", none: "Program alone" };
 const VIEW_WORDS = { overview: "Overview", top: "Top", front: "Front", right: "Right", back: "Back", below: "Below" };
 
-export const stage = { scene: null, scenes: [], overlay: null, toleranceUm: 10, rangeUm: 1, followers: [] };
+export const stage = { scene: null, scenes: [], overlay: null, toleranceUm: 10, rangeUm: 1, followers: [], noPicture: null, shownLook: null };
+const FIRST_LOOK = { quantity: "deviation", model: "abbe" };
 let asked = 0, loaded = 0;
 
 // ---- the mesh of a job, once; the colours as often as anything changes
@@ -20,8 +21,37 @@ export async function loadPart() {
   const number = ++loaded, model = new Model(await unpackPayload(await bytes("/api/mesh")));
   if (number !== loaded) return; // another part was asked for since
   if (stage.scene) stage.scene.load(model);
-  else makeScene(model);
-  await loadValues();
+  else tryScene(model);
+  if (stage.scene) showSection();
+  await loadFirstValues();
+}
+
+// What is chosen may not be had of this part, as where a measured file cannot be read: then its deviation is shown.
+async function loadFirstValues() {
+  stage.shownLook = null;
+  try {
+    await loadValues();
+  } catch (error) {
+    if (bench.look.quantity === FIRST_LOOK.quantity) throw error;
+    notice(error.message, "error", "look");
+    showLook(FIRST_LOOK);
+    await loadValues();
+  }
+}
+
+// Without WebGL 2 there are figures and all that can be done, and no picture.
+function tryScene(model) {
+  try {
+    makeScene(model);
+  } catch (error) {
+    stage.noPicture = `The part is not drawn: ${error.message}. Figures and tabs work without it.`;
+  }
+}
+
+// What is done on the picture of the part needs one.
+export function needPicture() {
+  if (!stage.scene) throw new Refused(stage.noPicture ?? "No part is there yet; open a job that can be read.");
+  return stage.scene;
 }
 
 function makeScene(model) {
@@ -39,9 +69,25 @@ stage.together = Object.fromEntries(["orbit", "pan", "zoomAt", "home"].map(
   (name) => [name, (...values) => stage.scenes.forEach((scene) => scene[name](...values))]));
 
 export async function loadValues() {
-  const number = ++asked;
-  const [figures, values] = await framed("/api/values?" + query({ ...bench.look, tolerance_um: stage.toleranceUm || null }));
-  if (number === asked) applyValues(figures, values);
+  const number = ++asked, look = { ...bench.look };
+  markOld(true);
+  try {
+    const [figures, values] = await framed("/api/values?" + query({ ...look, tolerance_um: stage.toleranceUm || null }));
+    if (number !== asked) return;
+    stage.shownLook = look;
+    applyValues(figures, values);
+  } catch (error) {
+    if (number !== asked) return;
+    if (stage.shownLook) showLook(stage.shownLook); // the choice says what is seen
+    throw error;
+  } finally {
+    if (number === asked) markOld(false);
+  }
+}
+
+// While something else was chosen than what is seen, the map is pale.
+function markOld(isOld) {
+  document.querySelector(".stage").classList.toggle("old", isOld);
 }
 
 // (value, known) of each vertex, as the viewer takes it.
@@ -56,7 +102,7 @@ export function pairsOf(values) {
 export function applyValues(figures, values) {
   const pairs = pairsOf(values), isNew = bench.figures?.quantity !== figures.quantity;
   bench.figures = figures;
-  stage.scene.setValues(pairs);
+  stage.scene?.setValues(pairs);
   if (isNew) byId("range").value = 50;
   showScale();
   showFigures();
@@ -92,11 +138,16 @@ function showModels() {
 }
 
 export const setLook = attempt(async (change) => {
-  Object.assign(bench.look, change);
-  byId("quantity").value = bench.look.quantity;
-  showModels();
+  showLook(change);
   await loadValues();
 });
+
+function showLook(look) {
+  Object.assign(bench.look, look);
+  byId("quantity").value = bench.look.quantity;
+  for (const input of byId("models").querySelectorAll("input")) input.checked = input.value === bench.look.model;
+  showModels();
+}
 
 export function listenToControls() {
   byId("quantity").onchange = (event) => setLook({ quantity: event.target.value });
@@ -107,19 +158,25 @@ export function listenToControls() {
   }));
   let waiting = null;
   byId("tolerance").oninput = () => {
+    if (!stage.ownTolerance) return; // no job yet
     const at = Number(byId("tolerance").value) / 100;
     stage.toleranceUm = Number((stage.ownTolerance * 10 ** (2 * (at - 0.5))).toPrecision(2));
     showTolerance();
     clearTimeout(waiting);
     waiting = setTimeout(attempt(loadValues), 120);
   };
-  byId("grey").onchange = (event) => stage.scene.setLook({ greyWithin: event.target.checked });
+  byId("grey").onchange = showGrey;
   byId("marks-on").onchange = makeMarks;
   byId("range").oninput = showScale;
   for (const id of ["section", "section-at"]) byId(id).oninput = showSection;
   document.addEventListener("pointerdown", (event) => {
     const options = document.querySelector(".options[open]");
     if (options && !options.contains(event.target)) options.open = false;
+  });
+  document.querySelector(".options").addEventListener("keydown", (event) => {
+    if (event.key !== "Escape" || !event.currentTarget.open) return;
+    event.currentTarget.open = false;
+    event.currentTarget.querySelector("summary").focus();
   });
 }
 
@@ -134,9 +191,15 @@ function showTolerance() {
   stage.scene?.setLook({ tolerance: stage.toleranceUm });
 }
 
+// A size is no deviation: none of it is within a tolerance.
+function showGrey() {
+  stage.scene?.setLook({ greyWithin: byId("grey").checked && isSigned() });
+}
+
 function showSection() {
   const axis = byId("section").value, { scene } = stage;
   byId("section-at").hidden = axis === "";
+  if (!scene) return;
   if (axis === "") return scene.setLook({ section: [0, 0, 0, 0] });
   const k = Number(axis), share = Number(byId("section-at").value) / 100, normal = [0, 0, 0];
   normal[k] = 1;
@@ -145,25 +208,36 @@ function showSection() {
 
 // ---- scale and figures
 
+// Whether what is shown has a direction; an uncertainty has none.
+export function isSigned() {
+  const { quantity, isOfTwo } = bench.figures ?? {};
+  return Boolean(isOfTwo) || bench.about?.quantities.find((one) => one.name === quantity)?.is_signed !== false;
+}
+
 function showScale() {
+  if (!bench.figures) return;
   const { range_um } = bench.figures, at = Number(byId("range").value);
   const end = stage.rangeUm = Number((range_um * 10 ** ((at - 50) / 50)).toPrecision(2));
-  byId("range-text").textContent = "± " + short(end) + " µm";
-  byId("ticks").replaceChildren(...[1, 0.5, 0, -0.5, -1].map((share) => {
-    const tick = el("li", {}, share === 0 ? "0" : (share > 0 ? "+" : "") + short(share * end) + (share === 1 ? " µm" : ""));
-    tick.style.top = 50 - 50 * share + "%";
+  const hasSign = isSigned(), shares = hasSign ? [1, 0.5, 0, -0.5, -1] : [1, 0.75, 0.5, 0.25, 0];
+  byId("range-text").textContent = (hasSign ? "± " : "") + short(end) + " µm";
+  byId("ramp").classList.toggle("sizes", !hasSign);
+  byId("ticks").replaceChildren(...shares.map((share) => {
+    const tick = el("li", {}, share === 0 ? "0" : (hasSign && share > 0 ? "+" : "") + short(share * end) + (share === 1 ? " µm" : ""));
+    tick.style.top = (hasSign ? 50 - 50 * share : 100 - 100 * share) + "%";
     return tick;
   }));
   stage.scenes.forEach((scene) => scene.setLook({ range: end, tolerance: stage.toleranceUm }));
+  showGrey();
 }
 
 function showFigures() {
-  const f = bench.figures, entry = (word, value, unit = "µm", kind = "") =>
-    el("div", { class: kind, title: "+ material is left on, − too much is cut off" }, el("dt", {}, word), el("dd", {}, value, " ", el("small", {}, unit)));
+  const f = bench.figures, hasSign = isSigned(), number = hasSign ? signed : fixed;
+  const title = hasSign ? "+ material is left on, − too much is cut off" : null;
+  const entry = (word, value, unit = "µm") => el("div", { title }, el("dt", {}, word), el("dd", {}, value, " ", el("small", {}, unit)));
   const rows = [
-    entry("RMS", fixed(f.rms_um)), entry("Mean", signed(f.mean_um)),
-    entry("Highest", signed(f.high_um)), entry("Lowest", signed(f.low_um)),
-    entry(`Beyond ± ${short(stage.toleranceUm)} µm`, fixed(100 * f.outside, 1), "%"),
+    entry("RMS", fixed(f.rms_um)), entry("Mean", number(f.mean_um)),
+    entry("Highest", number(f.high_um)), entry("Lowest", number(f.low_um)),
+    ...(hasSign ? [entry(`Beyond ± ${short(stage.toleranceUm)} µm`, fixed(100 * f.outside, 1), "%")] : []),
     entry(f.points === "measured" ? "Measured" : "Points", f.count.toLocaleString("en").replaceAll(",", " "), ""),
   ];
   byId("figures").replaceChildren(...rows);
@@ -221,6 +295,6 @@ export function showPoint(point) {
 }
 
 export function faceWorst(place) {
-  stage.scene.face(place);
+  stage.scene?.face(place);
   return pickNear(place.at, place.normal);
 }

@@ -1,11 +1,22 @@
 // The start page: samples, jobs of before, jobs of this folder.
 
-import { attempt, bench } from "./bench.js";
+import { attempt, bench, notice, once, settle } from "./bench.js";
 import { get, post } from "./api.js";
-import { byId, el } from "./dom.js";
+import { byId, el, shortNames } from "./dom.js";
 import { newJobForm } from "./new_job.js";
 
-const openJob = attempt(async (job) => { await post("/api/open", { job }); });
+// Work in another folder ends with it: the server asks first.
+async function openJob(job, ends_work = false) {
+  try {
+    await post("/api/open", { job, ends_work });
+    settle("end of work");
+  } catch (error) {
+    if (error.status !== 409) throw error;
+    const button = el("button", { type: "button" }, "End it and open the job");
+    button.onclick = once(() => openJob(job, true));
+    notice([error.message, ". ", button], "news ask", "end of work");
+  }
+}
 
 export const showStart = attempt(async () => {
   const found = await get("/api/start");
@@ -15,10 +26,10 @@ export const showStart = attempt(async () => {
   const list = (title, rows, empty) => el("section", {}, el("h2", {}, title), rows.length ? el("ul", { class: "jobs" }, rows) : el("p", { class: "soft" }, empty));
   const row = (job, word, about) => {
     const button = el("button", { type: "button" }, el("b", {}, word), el("span", { class: "soft" }, about));
-    button.onclick = () => openJob(job);
+    button.onclick = once(() => openJob(job));
     return el("li", {}, button);
   };
-  const last = (path) => path.split("/").slice(-2).join("/");
+  const recent = shortNames(found.recent), here = shortNames(found.jobs);
   const back = el("button", { type: "button", hidden: !bench.state.job }, "Back to the open job");
   back.onclick = () => { byId("start").hidden = true; byId("bench").hidden = false; };
   byId("start").replaceChildren(
@@ -26,8 +37,8 @@ export const showStart = attempt(async () => {
     el("p", { class: "lead" }, "Open a job: its part is predicted, compared with what was measured, and what the model lacks is named."), back,
     el("div", { class: "columns" },
       list("Samples", found.samples.map((one) => row(one.job, one.name, one.about)), "The samples come with the sources of vmach."),
-      list("Opened before", found.recent.map((job) => row(job, last(job), job)), "Nothing yet."),
-      list("In this folder", found.jobs.map((job) => row(job, last(job), job)), `No job file in ${found.folder}.`)),
+      list("Opened before", found.recent.map((job) => row(job, recent.get(job), job)), "Nothing yet."),
+      list("In this folder", found.jobs.map((job) => row(job, here.get(job), job)), `No job file in ${found.folder}.`)),
     newJobForm(found));
 });
 

@@ -137,7 +137,7 @@ const push = attempt(async () => {
     do {
       state.isDirty = false;
       const [figures, values] = await postFramed("/api/what-if", { changes: changesNow(), shown: bench.look, tab: TAB, gesture: state.movedBy });
-      if (figures.quantity === bench.look.quantity) applyValues(figures, values);
+      if (figures.quantity === bench.look.quantity && figures.model === bench.look.model) applyValues(figures, values);
       showResidual(figures.residual_rms_um);
     } while (state.isDirty);
   } finally {

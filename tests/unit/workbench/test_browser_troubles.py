@@ -1,0 +1,346 @@
+"""The page in a real browser where something is wrong, slow, or done twice."""
+
+import json
+import shutil
+
+import pytest
+import trimesh
+
+from tests.unit.workbench.browser import (
+    TABLET,
+    WINDOW,
+    browser_alone,
+    complaint,
+    dismiss,
+    drop,
+    needs_browser,
+    open_job,
+    ready,
+    says,
+    until,
+)
+from tests.unit.workbench.conftest import replace
+
+pytestmark = needs_browser
+
+WIDER_MM = 30
+
+
+@pytest.fixture(scope="module", autouse=True)
+def jobs(folder):
+    """Beside the measured job: one of a wider part, one that is broken, one with an odd name."""
+    mesh = trimesh.load(folder / "part.stl")
+    mesh.vertices[mesh.vertices[:, 0] < -25, 0] -= WIDER_MM
+    mesh.export(folder / "wider.stl")
+    text = (folder / "job.toml").read_text()
+    wider = text.replace("part.stl", "wider.stl").replace("[-30,", f"[{-30 - WIDER_MM},")
+    (folder / "wider.toml").write_text(wider)
+    (folder / "broken.toml").write_text(text.replace("diameter_mm = 10", 'diameter_mm = "ten"'))
+    shutil.copy(folder / "job.toml", folder / "50% #2?.toml")
+
+
+def answer(page, address, *, status=400, said="it is refused", times=None):
+    """Let the server refuse what is asked for at an address; gives what it was sent."""
+    sent = []
+
+    def refuse(route):
+        sent.append(route.request.post_data_json if route.request.method == "POST" else None)
+        route.fulfill(status=status, json={"error": said})
+
+    page.route(address, refuse, **({} if times is None else {"times": times}))
+    return sent
+
+
+def open_readings(page):
+    page.locator("#tab-diagnose").click()
+    page.locator(".readings").wait_for()
+    if not page.get_by_label("Instrument").is_visible():
+        page.get_by_text("Further readings").click()
+    page.get_by_label("Instrument").wait_for()
+
+
+# ---- what is written and what is read
+
+
+def test_a_decimal_comma_is_one_and_two_numbers_are_refused(tab):
+    open_readings(tab)
+    drop(tab, "#panel-diagnose .drop", "round.csv", "angle_deg,d_um\n0,1\n")
+    tab.get_by_label("Instrument").select_option("ballbar")
+    take = tab.get_by_role("button", name="Add these readings")
+    until(take.is_enabled)
+    sent = answer(tab, "**/api/readings")
+    fields = {"tool_length_mm": "100,5", "u_um": "0,3 2", "centre_mm": "1,5; 2; -3",
+              "radius_mm": "1,500"}  # fmt: skip
+    for name, text in fields.items():
+        tab.locator(f".readings [name={name}]").fill(text)
+    take.click()
+    assert "0,3 2" in complaint(tab)
+    tab.locator(".readings [name=u_um]").fill("0,3")
+    take.click()
+    assert "1,500" in complaint(tab) and not sent  # 1.5, or 1500?
+    tab.locator(".readings [name=radius_mm]").fill("150")
+    take.click()
+    assert "it is refused" in complaint(tab)
+    tab.unroute("**/api/readings")
+    settings = sent[0]["settings"]
+    assert (settings["tool_length_mm"], settings["u_um"]) == (100.5, 0.3)
+    assert settings["centre_mm"] == [1.5, 2, -3] and settings["radius_mm"] == 150
+
+
+def test_readings_of_the_part_say_what_they_replace_and_draw_no_empty_chart(tab, folder):
+    open_readings(tab)
+    tab.get_by_label("Instrument").select_option("part")
+    says(tab, ".readings", "take the place of points.csv")
+    drop(tab, "#panel-diagnose .drop", "again.csv", (folder / "points.csv").read_text())
+    says(tab, ".readings", "again.csv")
+    tab.get_by_role("button", name="Add these readings").click()
+    until(lambda: tab.locator("#job-about").inner_text().startswith("job-2.toml"))
+    ready(tab)
+    says(tab, ".history", "in place of points.csv")
+    assert tab.locator(".history svg").count() == 0
+    tab.get_by_role("button", name="Evaluate the models").click()
+    tab.locator(".history svg").wait_for()
+    open_job(tab, "part/job.toml")
+
+
+def test_the_choice_names_what_is_seen(tab):
+    answer(tab, "**/api/values?quantity=difference*")
+    tab.locator("#quantity").select_option("difference")
+    assert "it is refused" in complaint(tab)
+    until(lambda: tab.locator("#quantity").input_value() == "deviation")
+    tab.unroute("**/api/values?quantity=difference*")
+    held = []
+    tab.route("**/api/values?quantity=difference*", lambda route: held.append(route), times=1)
+    tab.locator("#quantity").select_option("difference")
+    until(lambda: tab.locator(".stage.old").count() and held)
+    held[0].continue_()
+    tab.locator(".stage:not(.old)").wait_for()
+    assert tab.locator("#quantity").input_value() == "difference"
+
+
+def test_an_uncertainty_begins_at_zero_and_has_no_sign(tab):
+    tab.locator("#quantity").select_option("uncertainty")
+    until(lambda: not any(c in tab.locator("#ticks").inner_text() for c in "+−"))
+    assert tab.locator("#ticks li").last.inner_text() == "0"
+    text = tab.locator("#figures").inner_text()
+    assert "Beyond" not in text and "+" not in text
+    tab.locator("#quantity").select_option("deviation")
+    says(tab, "#figures", "Beyond")
+
+
+def test_angles_have_the_names_of_the_glossary(tab):
+    words = " ".join(tab.locator("#quantity option").all_inner_texts())
+    assert "yaw of X, about Z" in words and "tilt" not in words
+
+
+# ---- names
+
+
+def test_results_of_a_job_with_an_odd_name_are_found(tab):
+    open_job(tab, "50% #2?.toml")
+    tab.locator("#report").click()
+    with tab.expect_popup() as waiting:
+        tab.get_by_role("link", name="Open it").click()
+    waiting.value.get_by_text("Predicted deviation").first.wait_for()
+    waiting.value.close()
+    with tab.expect_download() as waiting:
+        tab.get_by_role("link", name="download").click()
+    assert waiting.value.suggested_filename.endswith("-screen.html")
+    dismiss(tab)
+    open_job(tab, "part/job.toml")
+
+
+def test_jobs_of_like_names_are_told_apart(tab):
+    def likes(route):
+        found = route.fetch().json()
+        route.fulfill(json=found | {"recent": ["/a/x/part/job.toml", "/b/y/part/job.toml"]})
+
+    tab.route("**/api/start", likes)
+    tab.locator("#home").click()
+    tab.locator(".jobs b", has_text="x/part/job.toml").wait_for()
+    assert tab.locator(".jobs b", has_text="y/part/job.toml").count() == 1
+    tab.unroute("**/api/start")
+    tab.get_by_role("button", name="Back to the open job").click()
+
+
+def test_escape_closes_the_sheet_of_the_view(tab):
+    tab.locator(".options summary").click()
+    tab.locator("#tolerance").focus()
+    tab.keyboard.press("Escape")
+    until(lambda: not tab.locator("#tolerance").is_visible())
+
+
+# ---- twice, slow, gone
+
+
+def test_a_second_click_does_nothing(tab):
+    asked = []
+    tab.on("request", lambda request: asked.append(request.url.split("/")[-1]))
+    tab.locator("#play").dblclick()
+    until(lambda: float(tab.locator("#time").input_value()) > 0)
+    assert asked.count("playback") == 1
+    tab.get_by_title("Leave the playback").click()
+    tab.locator("#tab-diagnose").click()
+    tab.locator("#diagnose").dblclick()
+    tab.locator("#run .stop").click()
+    tab.locator("#run").wait_for(state="hidden")
+    assert asked.count("diagnose") == 1 and tab.locator(".notice.error").count() == 0
+
+
+def test_work_that_would_end_is_asked_for(tab):
+    sent = answer(tab, "**/api/open", status=409, said="diagnose is at work", times=1)
+    tab.locator("#home").click()
+    tab.locator(".jobs button", has_text="part/job.toml").first.click()
+    with tab.expect_request("**/api/open") as waiting:
+        tab.get_by_role("button", name="End it and open the job").click()
+    assert sent[0]["ends_work"] is False and waiting.value.post_data_json["ends_work"] is True
+    until(lambda: tab.locator("#notices").inner_text() == "")
+    ready(tab)
+
+
+def test_lines_that_did_not_come_are_asked_for_again(tab):
+    answer(tab, "**/api/program*", times=1)
+    tab.reload()
+    ready(tab)
+    says(tab, "#lines", "G21 G17")
+    until(lambda: tab.locator(".notice.error").count() == 0)
+
+
+def test_the_seventh_tab_works_as_the_first(tab, context):
+    more = [context.new_page() for _ in range(6)]
+    for page in more:
+        page.goto(tab.url, wait_until="commit")
+    says(more[-1], "#job-about", "job.toml")
+    for page in more:
+        page.close()
+
+
+def test_a_tab_of_a_workbench_that_ended_says_so_and_an_absent_one_is_offered_its_job(tab, context):
+    state = context.request.get(tab.url + "api/state", headers={"x-vmach": "1"}).json()
+    made = {"number": 9, "kind": "add", "state": "done", "command": "vmach add", "share": None,
+            "result": {"job": "/x/job-9.toml", "is_opened": False}}  # fmt: skip
+    told = [("hello", state), ("run", made)]
+    body = "".join(f"event: {kind}\ndata: {json.dumps(what)}\n\n" for kind, what in told)
+    answers = [lambda route: route.fulfill(content_type="text/event-stream",
+                                           body="retry: 100\n" + body)]  # fmt: skip
+    with browser_alone(context, TABLET) as alone:
+        page = alone.new_page()
+        page.route("**/api/events", lambda route: answers[-1](route))
+        page.goto(tab.url)
+        says(page, "#notices", "job-9.toml is written")
+        answer(page, "**/api/state", status=403)
+        answers.append(lambda route: route.fulfill(status=403))
+        page.get_by_text("The workbench has ended").wait_for()
+
+
+# ---- what cannot be read
+
+
+def test_a_job_that_cannot_be_read_is_not_compared_with(tab):
+    tab.locator("#tab-compare").click()
+    choice = tab.get_by_label("Job to compare with")
+    choice.select_option(label="part/broken.toml")
+    assert "diameter_mm" in complaint(tab)
+    tab.locator("#other-view").wait_for(state="hidden")
+    until(lambda: choice.input_value() == "")
+
+
+def test_the_section_lies_in_the_part_that_is_open(tab):
+    views = []
+    tab.on("request", lambda request: request.url.endswith("/api/report")
+           and views.append(request.post_data_json["view"]))  # fmt: skip
+    tab.locator(".options summary").click()
+    tab.locator("#section").select_option("0")
+    tab.keyboard.press("Escape")
+    for name in ("part/job.toml", "part/wider.toml"):
+        open_job(tab, name)
+        tab.locator("#report").click()
+        tab.get_by_text("The report of what is on the screen is made").wait_for()
+        dismiss(tab)
+    places = [view["section"][3] for view in views]
+    assert places[1] - places[0] == pytest.approx(-WIDER_MM / 2, abs=0.1)
+    tab.locator(".options summary").click()
+    tab.locator("#section").select_option("")
+    tab.keyboard.press("Escape")
+
+
+def test_measurements_that_cannot_be_read_are_no_result(tab, folder):
+    open_job(tab, "part/job.toml")
+    tab.locator("#tab-diagnose").click()
+    says(tab, "#panel-diagnose", "µm RMS")
+    good = (folder / "points.csv").read_text()
+    replace(folder / "points.csv", good.replace("mx,my,mz", "mx,my,mx"))
+    says(tab, "#panel-diagnose .trouble", "points.csv")
+    assert "µm RMS" not in tab.locator("#panel-diagnose").inner_text()
+    replace(folder / "points.csv", good)
+    says(tab, "#panel-diagnose", "µm RMS")
+    assert tab.locator(".notice.error").count() == 0  # nothing is wrong any more
+
+
+def test_trouble_goes_with_its_cause(tab, folder):
+    program = folder / "part.nc"
+    good = program.read_text()
+    replace(program, good.replace("G1 Z-8", "G1 Z#"))
+    tab.locator(".notice.error").wait_for()
+    replace(program, good)
+    ready(tab)
+    assert tab.locator(".notice.error").count() == 0
+
+
+def test_without_webgl_there_are_figures_and_words(tab, context):
+    with browser_alone(context, WINDOW) as alone:
+        page = alone.new_page()
+        page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
+        page.goto(tab.url)
+        ready(page)
+        says(page, "#veil", "WebGL 2 is not available")
+        says(page, "#figures", "RMS")
+        for button in ("#report", "#play"):
+            page.locator(button).click()
+            assert "not drawn" in complaint(page)
+        page.locator('#lines .line[data-line="9"]').click()
+        says(page, "#line-foot", "Line 9")
+        page.locator("#tab-diagnose").click()
+        says(page, "#panel-diagnose", "µm RMS")
+        page.locator(".options summary").click()
+        page.locator("#grey").check()
+        page.locator("#section").select_option("1")
+        assert page.locator(".notice.error").count() == 0
+
+
+# ---- what was written stays
+
+
+def test_the_text_of_a_law_outlives_a_reload(tab):
+    tab.locator("#tab-propose").click()
+    tab.get_by_label("Python of the effect").fill("# half a law")
+    tab.reload()
+    ready(tab)
+    assert tab.get_by_label("Python of the effect").input_value() == "# half a law"
+
+
+def test_a_new_job_that_is_refused_keeps_its_form(tab, folder):
+    tab.locator("#home").click()
+    tab.get_by_text("A new job").click()
+    form = tab.locator("form.new-job")
+    for name, value in {"program": "part.nc", "machine": "machine.toml"}.items():
+        form.locator(f"select[name={name}]").select_option(value)
+    form.locator("[name=name]").fill("Prüfling 1")
+    form.get_by_placeholder("X, Y, Z").first.fill("-200, -150, -200")
+    form.locator("[name=diameter_mm]").fill("63,5 mm")
+    form.locator("[name=length_mm]").fill("100,5")
+    write = form.get_by_role("button", name="Write the job")
+    write.click()
+    assert "63,5 mm" in complaint(tab)
+    form.locator("[name=diameter_mm]").fill("63,5")
+    with tab.expect_request("**/api/new-job") as waiting:
+        write.click()
+    assert "Prufling-1" in complaint(tab)
+    tool = waiting.value.post_data_json["tools"][0]
+    assert (tool["diameter_mm"], tool["length_mm"]) == (63.5, 100.5)
+    form.locator("[name=name]").fill("mine")
+    write.click()  # nothing says where to look at the part
+    assert "nothing to inspect" in complaint(tab) and not (folder / "mine.toml").exists()
+    tab.get_by_role("button", name="Back to the open job").click()
+    tab.locator("#home").click()
+    until(lambda: form.locator("[name=name]").input_value() == "mine")
