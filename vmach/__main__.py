@@ -35,6 +35,7 @@ def main() -> None:
             _interrupted()
         if os.environ.get("VMACH_TRACEBACK"):
             raise
+        _end_if_a_cache_is_damaged(error)
         place = traceback.extract_tb(error.__traceback__)[-1]
         what = f"{type(error).__name__}: {' '.join(str(error).split())}"
         _end(
@@ -59,6 +60,15 @@ def _run() -> None:
     from vmach.cli import main as command_line
 
     command_line()
+
+
+def _end_if_a_cache_is_damaged(error: Exception) -> None:
+    from vmach.base.damaged_cache import drop_damaged
+
+    dropped = drop_damaged(error)
+    if dropped:
+        what = "was cut short or damaged, and is deleted; start the command again"
+        _end(1, f"{dropped[0]}: a file that is kept to start faster {what}")
 
 
 def _interrupted() -> None:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from vmach import __version__
 from vmach.base.kernel_cache import (
@@ -38,7 +39,21 @@ __all__ = ["app", "main"]
 
 _LONGEST_MESSAGE = 2000
 
+
+class _Commands(TyperGroup):
+    """The commands; what Typer would tell as a bare "Aborted!" goes on to `vmach.__main__`."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except EOFError as error:
+            raise RuntimeError("a file ended too early") from error
+        except typer.Abort:  # a question that nobody answers
+            raise KeyboardInterrupt from None
+
+
 app = typer.Typer(
+    cls=_Commands,
     name="vmach",
     help="Predict the part that a real machine makes from an NC program.",
     no_args_is_help=True,

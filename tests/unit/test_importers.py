@@ -592,3 +592,49 @@ def test_a_square_by_callipers_is_as_sure_as_the_page_says(tmp_path, monkeypatch
 def test_a_square_that_leans_too_much_is_asked_about():
     assert "is a length misread?" in command("--square", "XY 140.4 142.8 99.8", "--yes").output
     assert "misread" not in command("--square", "XY 424.18 424.35 300", "--yes").output
+
+
+def test_the_line_ends_of_an_edited_file_and_its_first_state_stay(tmp_path):
+    machine = write_job(tmp_path).with_name("machine.toml")
+    first = b"\xef\xbb\xbf" + machine.read_bytes().replace(b"\n", b"\r\n")
+    machine.write_bytes(first)
+    for error in ("EXX", "EYY"):
+        one = imported(tmp_path, f"{error}.csv", LASER, error=error, zero="-5")
+        write_imported([one], Target(tmp_path, (machine,)))
+    assert machine.with_name("machine.toml.bak").read_bytes() == first
+    assert b"errors.EXX" in machine.with_name("machine.toml.2.bak").read_bytes()
+    after = machine.read_bytes()
+    assert after.startswith(first[:40]) and after.count(b"\n") == after.count(b"\r\n")
+    assert b"[errors.EYY]" in after
+
+
+def test_an_inline_table_cannot_grow_and_is_told_with_its_line(tmp_path):
+    machine = write_job(tmp_path).with_name("machine.toml")
+    (tmp_path / "e.csv").write_text("position_mm,forward,backward\n-400,0,0\n0,0,0\n")
+    machine.write_text('errors = {ECX = {table = "e.csv"}}\n' + machine.read_text())
+    before = machine.read_text()
+    one = imported(tmp_path, "x.csv", LASER, error="EXX", zero="-5")
+    with pytest.raises(InputError, match=r"machine\.toml:1: 'errors' is written in one line"):
+        write_imported([one], Target(tmp_path, (machine,)))
+    assert machine.read_text() == before
+
+
+def test_a_file_that_is_none_to_edit_is_refused(tmp_path):
+    points = write_job(tmp_path).with_name("points.csv")
+    one = imported(tmp_path, "x.csv", LASER, error="EXX", zero="-5")
+    with pytest.raises(InputError, match=r"points\.csv: --into: is neither"):
+        write_imported([one], Target(tmp_path, (points,)))
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        ({"foo": "bar"}, "--column foo=bar: no file has a column of this name; accepted: "),
+        ({"position": "no such heading"}, "no importer|columns such as"),
+    ],
+)
+def test_a_column_that_nothing_asks_for_is_refused(tmp_path, columns, message):
+    (tmp_path / "x.csv").write_text(LASER)
+    questions = Questions({"error": "EXX", "zero": "-5"}, columns=columns)
+    with pytest.raises(InputError, match=message):
+        import_files([tmp_path / "x.csv"], questions)

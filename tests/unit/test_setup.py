@@ -1,5 +1,6 @@
 """``vmach init``: from a program and a CAD file to a job that can be checked and run."""
 
+import os
 import shutil
 import tomllib
 from pathlib import Path
@@ -9,6 +10,9 @@ from typer.testing import CliRunner
 
 from vmach.checkup import Weight, check_job
 from vmach.cli import app
+from vmach.errors import InputError
+from vmach.history.set_values import set_values
+from vmach.job import read_job
 from vmach.machine.chain import Chain
 from vmach.setup import KINEMATICS
 from vmach.setup.said_tools import said_tools
@@ -116,3 +120,32 @@ def test_tools_of_comments_as_people_write_them():
         7: ("drill", 5.0, 0.0),
     }  # fmt: skip  # 8 names offsets, 9 is no cutter, 10 is no tool's name
     assert [number for number, tool in found.items() if tool.is_mm] == [2]
+
+
+@pytest.mark.parametrize("name", ['6" plate', "back\\slash", "two\nlines", "del\x7f", "Würfel 😀"])
+def test_any_name_of_a_file_is_written_so_that_it_is_read(folder, name):
+    program, nominal = folder / f"{name}.nc", folder / f"{name}.step"
+    (folder / "part.nc").rename(program)
+    (folder / "part.step").rename(nominal)
+    assert init(folder, "--yes").exit_code == 0
+    job = tomllib.loads((folder / "job.toml").read_text(encoding="utf-8"))
+    assert (job["program"], job["nominal"]) == (program.name, nominal.name)
+    made, _ = set_values(folder / "job.toml", ["backlash:X.reversal_um=1"])
+    again, _ = set_values(made.rename(folder / f"{name}.toml"), ["backlash:X.reversal_um=2"])
+    assert read_job(again).history[-1]["previous"] == f"{name}.toml"
+
+
+def test_a_name_that_is_not_utf_8_is_refused_and_nothing_is_written(folder):
+    (folder / "part.nc").rename(folder / os.fsdecode(b"caf\xe9.nc"))
+    error = init(folder, "--yes").exception
+    assert isinstance(error, InputError) and "not UTF-8" in str(error)
+    assert not (folder / "job.toml").exists() and not (folder / "machine.toml").exists()
+
+
+@pytest.mark.parametrize("text", ["", "(nothing but words)\n", "%\n", "G0 X1\nM30\n"])
+def test_a_program_that_cuts_nothing_is_refused(tmp_path, text):
+    (tmp_path / "part.nc").write_text(text)
+    error = init(tmp_path, "--yes").exception
+    assert isinstance(error, InputError)
+    assert str(error).startswith(f"{tmp_path / 'part.nc'}: the program cuts nothing")
+    assert not (tmp_path / "job.toml").exists()

@@ -312,3 +312,60 @@ def test_nobody_at_the_address_is_said(tmp_path):
     )  # fmt: skip
     assert run.returncode == 1
     assert "vmach: --scheduler tcp://127.0.0.1:1" in run.stderr and "Traceback" not in run.stderr
+
+
+WITH_FILES = 'schema = 1\n[cases]\njob = "job.toml"\npoints = "points.csv"\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message"),
+    [
+        (WITH_FILES + 'model = ["q"]\n', 5, "model = 'q'; accepted: none, "),
+        (WITH_FILES + 'machine = ["machine.toml", "nope.toml"]\n', 5, "nope.toml': no such file"),
+        (WITH_FILES + "program = 3\n", 5, "program = 3: no such file"),
+        ('schema = 1\n[cases]\npoints = "points.csv"\n', 2, "the cases have no 'job'"),
+        ('schema = 1\ntable = "c.csv"\n', 2, "model = 'q'"),
+        (WITH_FILES.replace("[cases]", "draws = 1000000000\n[cases]"), 2, "1000000000 cases"),
+        (WITH_FILES.replace("[cases]", f"draws = {10**30}\n[cases]"), 2, f"{10**30} cases"),
+    ],
+)
+def test_what_no_case_could_do_is_told_before_the_work(tmp_path, text, line, message):
+    write_job(tmp_path)
+    (tmp_path / "c.csv").write_text("job,points,model\njob.toml,points.csv,q\n")
+    (tmp_path / "study.toml").write_text(text)
+    with pytest.raises(InputError, match=re.escape(message)) as caught:
+        read_study(tmp_path / "study.toml")
+    assert (caught.value.file, caught.value.line) == (tmp_path / "study.toml", line)
+
+
+ENDS = """
+import sys
+
+def leaves(case, random):
+    sys.exit(0)
+
+def counts(case, random):
+    return {"count": [1, 10**400]}
+"""
+
+
+@pytest.mark.parametrize("processes", ["1", "2"])
+@pytest.mark.parametrize(
+    ("function", "said"), [("leaves", "sys.exit(0)"), ("counts", "a whole number beyond 1.8e308")]
+)
+def test_a_function_that_leaves_or_counts_without_end(tmp_path, processes, function, said):
+    path = write_study(tmp_path, range(2), function)
+    module = next(tmp_path.glob("study_functions_*.py"))
+    module.write_text(ENDS)
+    words = ["batch", str(path), "--out", str(tmp_path / "out"), "--processes", processes]
+    found = CliRunner().invoke(app, [*words, "--merge", str(tmp_path / "all.csv")])
+    assert found.exit_code == 1
+    assert "4 cases failed" in found.output and said in found.output
+
+
+@pytest.mark.parametrize("text", ["import sys\nsys.exit(0)\n", "\n1 / 0\n", "\ndef draw(:\n"])
+def test_a_module_that_cannot_be_loaded_is_told_with_the_line_that_names_it(tmp_path, text):
+    path = write_study(tmp_path, range(2))
+    next(tmp_path.glob("study_functions_*.py")).write_text(text)
+    with pytest.raises(InputError, match=r"study\.toml:3: function = 'study_fun.*\.py:2|line 2"):
+        read_study(path)

@@ -17,9 +17,12 @@ import tempfile
 from importlib.util import find_spec
 from pathlib import Path
 
+from vmach.base.damaged_cache import drop_cut_kernels
+
 __all__ = ["collect_less_often", "find_room_for_kernels", "forget_stale_kernels", "is_cold"]
 
 _PACKAGES = ("gcode", "stock", "vmach")
+_KERNELS = "__pycache__/*.nb[ci]"
 #: new containers before any are looked at; 700 is usual
 _LOT = 100_000
 
@@ -65,6 +68,7 @@ def _temporary_folder() -> Path:
 def forget_stale_kernels() -> None:
     """Delete the cached kernels of every package whose kernels' sources have changed.
 
+    And those that are cut short, with which no command would start.
     Call it before the first kernel runs. Where the packages cannot be written to, nothing is
     cached beside them and nothing is done.
     """
@@ -72,6 +76,9 @@ def forget_stale_kernels() -> None:
         spec = find_spec(name)
         if spec is not None and spec.origin is not None:
             _forget_in(Path(spec.origin).parent)
+            drop_cut_kernels(Path(spec.origin).parent.rglob(_KERNELS))
+    if elsewhere := os.environ.get("NUMBA_CACHE_DIR"):
+        drop_cut_kernels(Path(elsewhere).glob("*/*.nb[ci]"))
 
 
 def is_cold() -> bool:
@@ -93,7 +100,7 @@ def _forget_in(package: Path) -> None:
     try:
         if stamp.exists() and stamp.read_text() == digest.hexdigest():
             return
-        for cached in package.rglob("__pycache__/*.nb[ci]"):
+        for cached in package.rglob(_KERNELS):
             cached.unlink(missing_ok=True)
         stamp.parent.mkdir(exist_ok=True)
         stamp.write_text(digest.hexdigest())

@@ -20,6 +20,7 @@ from vmach.job import Job, read_job
 from vmach.job.schema import JobSchema
 from vmach.machine.files.machine_schema import MachineSchema
 from vmach.nominal import read_nominal
+from vmach.nominal.points import read_points_csv
 from vmach.path.preparation import prepare
 from vmach.plausibility import admitted_machine
 from vmach.run.drawing_check import drawing_faults
@@ -90,6 +91,8 @@ def _job_file(path: Path) -> Iterator[Finding]:
     if "nominal" in there:
         unit = said.get("nominal_unit")
         yield from _refusal(lambda: read_nominal(there["nominal"], unit))
+    if "measured" in there:
+        yield from _refusal(lambda: read_points_csv(there["measured"]))
     if "program" in there and not errors:
         yield from program_findings(there["program"], JobSchema.model_validate(said), path)
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from gcode import WORK_OFFSETS, MoveKind, Program, ProgramError, ToolEntry, read_program
 from vmach.checkup.finding import Finding, Weight
+from vmach.errors import InputError
 from vmach.job.control import control_told
 from vmach.job.schema import JobSchema
 
@@ -39,6 +40,7 @@ class Needs:
     def __init__(
         self, file: Path, *, control: str = "auto", tools: Mapping[int, ToolEntry] | None = None
     ) -> None:
+        self._file = file
         known = {number: ToolEntry() for number in _ANY_TOOL} | dict(tools or {})
         self.program: Program = read_program(file, tools=known, dialect=control)
         moves = self.program.moves
@@ -61,7 +63,20 @@ class Needs:
         return {WORK_OFFSETS[number - 1]: line for number, line in found.items()}
 
     def extent_mm(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lowest and highest X Y Z at which it cuts, program coordinates, mm, (3,) each."""
+        """Lowest and highest X Y Z at which it cuts, program coordinates, mm, (3,) each.
+
+        Raises
+        ------
+        InputError
+            It cuts nothing.
+        """
+        if not self._cuts.any():
+            raise InputError(
+                "the program cuts nothing",
+                file=self._file,
+                accepted="a program with moves at a feed",
+                hint="is it a subprogram?",
+            )
         moves = self.program.moves
         tip = (moves.end_mm - moves.tool_offset_mm)[self._cuts]
         return tip.min(axis=0), tip.max(axis=0)

@@ -38,6 +38,7 @@ def batch(
     """Work on the cases of a study that have no result yet."""
     from vmach.files.atomic import check_outputs
     from vmach.files.table_file import check_table_file
+    from vmach.study.results import ResultFolder
     from vmach.study.run_study import Shard, merge_study, run_study
     from vmach.study.study import read_study
 
@@ -63,5 +64,7 @@ def batch(
         print(f"{folder}: {found.cases} cases, {found.there} were there, {found.done} done"
               + (f"; all of the study in {merge}" if figures["merged"] else ""))  # fmt: skip
     if found.failed:
-        print(f"vmach: {found.failed} cases failed; why is in {folder / 'failed'}", file=sys.stderr)
+        told = f"{found.failed} cases failed; why is in {folder / 'failed'}"
+        first = ResultFolder(folder).first_failure()
+        print(f"vmach: {told}; the first is {first}", file=sys.stderr)
         raise typer.Exit(1)

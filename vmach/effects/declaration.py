@@ -153,6 +153,8 @@ class _OfEffect(Declaration):
         call = f"def displacement(self, path, target, {', '.join(names)})"
         if inspect.isabstract(self.kind):
             raise self.error("displacement() is missing", accepted=call)
+        if not inspect.isroutine(self.kind.displacement):
+            raise self.error("displacement is no function", key="displacement", accepted=call)
         signature = inspect.signature(self.kind.displacement)
         try:
             signature.bind(None, None, "", **dict.fromkeys(names, 0.0))

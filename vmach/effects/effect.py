@@ -136,6 +136,15 @@ class Effect(ABC):
         """Names of the parameters that a job has to give for a target."""
         return tuple(p.name for p in self.parameters if not p.optional)
 
+    def complaint(
+        self, target: str, parameters: Mapping[str, float | list[float]]
+    ) -> tuple[str, str, str] | None:
+        """What is wrong with values that are each within their bounds, or None.
+
+        The key at fault, what is wrong, and what is accepted.
+        """
+        return None
+
     def not_testable(self, path: Circumstances, target: str) -> str | None:
         """Why these states cannot show the effect, in words, or None."""
         return None

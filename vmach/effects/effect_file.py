@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import importlib.util
 import inspect
-from collections.abc import Callable, Mapping
 from pathlib import Path
-
-import numpy as np
+from types import ModuleType
 
 from vmach.effects.catalogue import add_effect, catalogue
 from vmach.effects.declaration import check_declaration
-from vmach.effects.effect import Displaced, Effect
+from vmach.effects.effect import Effect
+from vmach.effects.guard import blamed, guard, line_of
 from vmach.effects.law_check import check_law
 from vmach.effects.trial_path import trial_path
 from vmach.errors import InputError
-from vmach.files.plugins import classes_in, line_in, loading
+from vmach.files.plugins import classes_in, loading
 from vmach.files.text_file import read_text
-from vmach.machine import RigidDisplacement
-from vmach.path.circumstances import Circumstances
 
 __all__ = ["load_effect_file"]
 
@@ -34,25 +30,34 @@ def load_effect_file(path: str | Path) -> Effect:
         proportional to its amplitudes.
     """
     path = Path(path)
-    read_text(path, what="effect file")
-    spec = importlib.util.spec_from_file_location(f"vmach_user_effect_{path.stem}", path)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    with loading(path, "effect"):
-        spec.loader.exec_module(module)
-    kinds = classes_in(module, Effect)
+    kinds = classes_in(_module_of(path), Effect)
     if len(kinds) != 1:
         raise InputError(
             f"{len(kinds)} effects in the file", file=path, accepted="one subclass of Effect"
         )
-    check_declaration(kinds[0], path)
-    _check_name(kinds[0].name, path)
-    effect = kinds[0]()
-    effect.displacement = _guarded(effect, path)
-    effect.file = path
-    check_law(effect, trial_path(), file=path)
+    kind = kinds[0]
+    check_declaration(kind, path)
+    _check_name(kind.name, path)
+    made = "a class that is made without arguments"
+    begin = line_of(kind, "__init__")
+    with blamed(path, f"__init__() of effect '{kind.name}'", accepted=made, line=begin):
+        effect = kind()
+    with blamed(path, f"effect '{kind.name}'"):
+        guard(effect, path)
+        effect.file = path
+        check_law(effect, trial_path(), file=path)
     add_effect(effect)
     return effect
+
+
+def _module_of(path: Path) -> ModuleType:
+    """A file of Python, run; nothing that was compiled earlier is taken in its place."""
+    text = read_text(path, what="effect file")
+    module = ModuleType(f"vmach_user_effect_{path.stem}")
+    module.__file__ = str(path)
+    with loading(path, "effect"):
+        exec(compile(text, str(path), "exec", dont_inherit=True), module.__dict__)
+    return module
 
 
 def _check_name(name: str, path: Path) -> None:
@@ -79,42 +84,3 @@ def _file_of(effect: Effect | type[Effect]) -> Path | None:
         return Path(inspect.getfile(effect)).resolve()
     except (OSError, TypeError):
         return None
-
-
-def _guarded(effect: Effect, file: Path) -> Callable[..., Displaced]:
-    """The user's own law; what goes wrong in it is told by file and line."""
-    law = effect.displacement
-    line = type(effect).displacement.__code__.co_firstlineno
-
-    def displacement(path: Circumstances, target: str, **parameters: float) -> Displaced:
-        try:
-            moved = law(path, target, **parameters)
-        except Exception as error:
-            raise InputError(
-                f"displacement() of effect '{effect.name}' fails: {error!r}",
-                file=file,
-                line=line_in(file, error),
-            ) from error
-        shape = (len(path), 3)
-        if not isinstance(moved, RigidDisplacement) and np.shape(moved) != shape:
-            raise InputError(
-                f"displacement() of effect '{effect.name}' gives an array of {np.shape(moved)}",
-                file=file,
-                line=line,
-                accepted=f"(P, 3) mm, one row a state: here {shape}",
-            )
-        shift = moved.shift_mm if isinstance(moved, RigidDisplacement) else moved
-        if not np.isfinite(shift).all():
-            raise InputError(
-                f"displacement() of effect '{effect.name}' gives values that are no numbers",
-                file=file,
-                line=line,
-                accepted="finite displacements, for " + _told(parameters),
-            )
-        return moved
-
-    return displacement
-
-
-def _told(parameters: Mapping[str, float]) -> str:
-    return ", ".join(f"{name} = {value:g}" for name, value in parameters.items())

@@ -95,9 +95,15 @@ def set_up_effect(
             hint=unknown_effect_hint(name, job),
         )
     effect, entry = known[name], _Entry(job.path, name, target)
-    _check_target(entry, effect.possible_targets(job))
+    targets = effect.possible_targets(job)
+    if not targets:
+        raise _without_targets(entry, effect, job)
+    _check_target(entry, targets)
     _check_names(entry, parameters, [p.name for p in effect.parameters])
     values = _values(entry, effect, parameters)
+    if (wrong := effect.complaint(target, values)) is not None:
+        key, what, accepted = wrong
+        raise entry.error(f"effect '{name}': {what}", key=key, accepted=accepted)
     return EffectInstance(effect, target, values, job, _one_sigma(effect, target, values, job))
 
 
@@ -107,6 +113,16 @@ def _check_target(entry: _Entry, targets: Sequence[str]) -> None:
     has = f"the target '{entry.target}'" if entry.target else "no target"
     choice = ", ".join(targets) if targets != ("",) else "no target"
     raise entry.error(f"effect '{entry.name}' has {has}", accepted=choice)
+
+
+def _without_targets(entry: _Entry, effect: Effect, job: Job) -> InputError:
+    """What to say of an effect that needs more than the job has, as a second work offset."""
+    has = [*job.work_offsets_mm, *(f"T{number}" for number in job.tools)]
+    return entry.error(
+        f"effect '{entry.name}' has nothing that it could act on: {effect.title}",
+        accepted="a job with what it acts on",
+        hint=f"the job has {', '.join(has)}; add what is missing, or take the effect out",
+    )
 
 
 def _check_names(entry: _Entry, parameters: Mapping[str, Any], names: Sequence[str]) -> None:
@@ -131,6 +147,7 @@ def _values(
         name = parameter.name
         if name in parameters:
             values[name] = _value(entry, parameter, parameters[name])
+            _check_form(entry, name, values[name], is_list=effect.corrects_table)
         elif parameter.optional:
             values[name] = parameter.usual
         elif name in needed:
@@ -154,6 +171,14 @@ def _value(entry: _Entry, parameter: Parameter, given: Any) -> float | list[floa
     if not good.all():
         raise entry.error(f"{what} is out of bounds", key=key, accepted=accepted)
     return numbers.tolist()
+
+
+def _check_form(entry: _Entry, key: str, value: float | list[float], *, is_list: bool) -> None:
+    """Whether a curve has its list, and everything else its one number."""
+    if isinstance(value, list) == is_list and value != []:
+        return
+    accepted = "a list of one or more numbers" if is_list else "one number"
+    raise entry.error(f"effect '{entry.name}': {key} = {value!r}", key=key, accepted=accepted)
 
 
 def _one_sigma(

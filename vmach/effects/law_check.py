@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
 from vmach.effects.effect import Effect, at_contact, label_of
+from vmach.effects.guard import line_of
 from vmach.errors import InputError
 from vmach.machine import RigidDisplacement
 from vmach.path.circumstances import Circumstances
@@ -20,6 +23,8 @@ _TOO_FAR_MM = 1.0
 _TRIED = (2.0, 30.0, -1.0)
 #: what rounding may leave of a proportion, as a share of the largest displacement; and in mm
 _ROUNDING, _ROUNDING_MM = 1e-6, 1e-12
+#: combinations of inner values at which an effect is asked for all it can tell
+_MOST_INNER = 60
 
 
 def check_law(effect: Effect, path: Circumstances, *, file: Path | None = None) -> None:
@@ -45,6 +50,21 @@ def check_law(effect: Effect, path: Circumstances, *, file: Path | None = None) 
             continue
         inner = next(iter(effect.inner_grid(path, target)), {})
         _Trial(effect, path, target, inner, file).check()
+        _ask_all(effect, path, target)
+
+
+def _ask_all(effect: Effect, path: Circumstances, target: str) -> None:
+    """Ask for everything that a prediction or a fit asks for: what is wrong comes to light here."""
+    effect.needed(target)
+    effect.is_unmeasured(path.job.machine, target)
+    effect.shows_on(path.states)
+    for inner in islice(effect.inner_grid(path, target), _MOST_INNER):
+        count = effect.columns(path, target, inner).shape[2]
+        parameters = effect.settle(np.ones(count), inner)
+        effect.unforeseen(path, target, parameters)
+        if not effect.needs_surface:
+            bare = replace(path.states, contact_mm=np.zeros((len(path), 3)), normal=None)
+            effect.displacement(replace(path, states=bare), target, **parameters)
 
 
 class _Trial:
@@ -64,6 +84,11 @@ class _Trial:
     def check(self) -> None:
         effect = self.effect
         columns = effect.columns(self.path, self.target, self.inner)
+        if type(effect).settle is Effect.settle and columns.shape[2] != len(effect.amplitudes):
+            raise self._error(
+                f"columns() gives {columns.shape[2]} columns",
+                f"one for each of its {len(effect.amplitudes)} amplitudes",
+            )
         largest = float(np.abs(columns).max(initial=0.0))
         if largest > _TOO_FAR_MM:
             raise self._error(
@@ -133,11 +158,10 @@ class _Trial:
 
     def _error(self, what: str, accepted: str, hint: str | None = None) -> InputError:
         label = label_of(self.effect.name, self.target)
-        law = type(self.effect).displacement
         return InputError(
             f"displacement() of effect '{label}': {what}",
             file=self.file,
-            line=law.__code__.co_firstlineno if self.file else None,
+            line=line_of(type(self.effect), "displacement") if self.file else None,
             accepted=accepted,
             hint=hint,
         )

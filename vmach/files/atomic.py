@@ -267,18 +267,18 @@ def edited_file(path: Path) -> Iterator[Path]:
     """Give a temporary path for a user's own file that a command was told to edit.
 
     The file stays the user's: no command takes it for a result later. What it held before is kept
-    beside it, as ``NAME.bak``, which is a result.
+    beside it, as ``NAME.bak``, or ``NAME.2.bak`` and so on where that is there already.
 
     Raises
     ------
     InputError
-        There is no such file, it cannot be written to, or ``NAME.bak`` is the user's.
+        There is no such file, or it cannot be written to.
     """
     path = _resolved(path)
     if not path.is_file():
         raise InputError("is no file that could be edited", file=path)
     _check_writable_folder(path.parent)
-    with atomic_file(path.with_name(f"{path.name}.bak")) as before:
+    with atomic_file(_free_backup(path)) as before:
         shutil.copyfile(path, before)
     with ExitStack() as stack:
         room = stack.enter_context(workplace(path))
@@ -287,6 +287,15 @@ def edited_file(path: Path) -> Iterator[Path]:
         yield temporary
         shutil.copymode(path, temporary)
         put_in_place(_Edited(temporary, path), stack)
+
+
+def _free_backup(path: Path) -> Path:
+    """A name beside a file that nothing has: earlier states stay."""
+    name, number = path.with_name(f"{path.name}.bak"), 1
+    while os.path.lexists(name):
+        number += 1
+        name = path.with_name(f"{path.name}.{number}.bak")
+    return name
 
 
 @dataclass(frozen=True)

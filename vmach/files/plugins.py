@@ -87,7 +87,7 @@ def offered(group: str, *, accepted: str) -> Iterator[tuple[EntryPoint, object]]
     for entry in sorted(entry_points(group=group), key=lambda entry: entry.name):
         try:
             yield entry, entry.load()
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise InputError(
                 f"{_said(entry)} cannot be loaded: {_in_words(error)}",
                 file=(file := _file_of(entry)),
@@ -118,7 +118,7 @@ def loading(file: Path, what: str) -> Iterator[None]:
     """Tell what goes wrong while a file of Python is loaded by its line."""
     try:
         yield
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise InputError(
             f"{what} file cannot be loaded: {_in_words(error)}",
             file=file,
@@ -126,14 +126,14 @@ def loading(file: Path, what: str) -> Iterator[None]:
         ) from error
 
 
-def _in_words(error: Exception) -> str:
+def _in_words(error: BaseException) -> str:
     """What is wrong, with the line's text where Python cannot read it."""
     if isinstance(error, SyntaxError):
         return f"{error.msg}: '{(error.text or '').strip()}'"
     return f"{type(error).__name__}: {error}"
 
 
-def line_in(file: Path, error: Exception) -> int | None:
+def line_in(file: Path, error: BaseException) -> int | None:
     """The line of a file that an error comes from."""
     if isinstance(error, SyntaxError):
         return error.lineno

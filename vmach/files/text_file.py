@@ -11,7 +11,7 @@ from pathlib import Path
 
 from vmach.errors import InputError
 
-__all__ = ["column_hint", "csv_rows", "decimal_number", "read_bytes", "read_text"]
+__all__ = ["as_written", "column_hint", "csv_rows", "decimal_number", "read_bytes", "read_text"]
 
 #: a number as instruments and CMMs write it; Python's own reading takes 1_000 and other digits too
 _DECIMAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -41,6 +41,18 @@ def read_text(path: Path, *, what: str, largest_bytes: int = _LARGEST_BYTES) -> 
     except UnicodeDecodeError as error:
         raise _not_utf8(path, what, error) from None
     return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def as_written(text: str, path: Path) -> bytes:
+    """A text with the line ends, and the byte order mark, of the file whose place it takes.
+
+    Of a file with both kinds of line ends, the more frequent ones.
+    """
+    before = path.read_bytes()
+    ends = before.count(b"\r\n")
+    if ends > before.count(b"\n") - ends:
+        text = text.replace("\n", "\r\n")
+    return (b"\xef\xbb\xbf" if before.startswith(b"\xef\xbb\xbf") else b"") + text.encode()
 
 
 def read_bytes(path: Path, *, what: str, largest_bytes: int = _LARGEST_BYTES) -> bytes:
@@ -94,13 +106,16 @@ def csv_rows(lines: Iterable[str], path: Path) -> Iterator[list[str]]:
         A cell of more than 131,072 characters; with the line.
     """
     reader = csv.reader(lines)
+    ended = 0
     try:
-        yield from reader
+        for row in reader:
+            yield row
+            ended = reader.line_num
     except csv.Error as error:
         raise InputError(
             f"no row of a CSV file: {error}",
             file=path,
-            line=reader.line_num,
+            line=ended + 1,
             hint="look for a quotation mark without its partner",
         ) from None
 

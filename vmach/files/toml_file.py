@@ -11,7 +11,16 @@ from itertools import islice
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationError
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    Strict,
+    TypeAdapter,
+    ValidationError,
+)
+from pydantic_core import PydanticCustomError
 
 from vmach.errors import InputError
 from vmach.files.mistaken_file import mistaken_for
@@ -28,6 +37,7 @@ __all__ = [
     "check_section",
     "complaints",
     "line_of_key",
+    "numbers_once",
     "read_toml",
     "read_toml_and_text",
 ]
@@ -50,6 +60,9 @@ Flag = Annotated[bool, Strict()]
 Whole = Annotated[int, Strict(), Field(ge=1)]
 Point = tuple[Finite, Finite, Finite]
 
+#: as pydantic reads a number that is a key; and its type of complaint where one is there twice
+_WHOLE, _TWICE = TypeAdapter(int), "named_twice"
+
 #: what pydantic asks for, by its type of complaint, in the words of this program
 _ACCEPTED = {
     "bool_type": "true or false",
@@ -62,7 +75,41 @@ _ACCEPTED = {
     "model_type": "a table",
     "string_type": "text in quotes",
     "tuple_type": "a list in brackets",
+    "int_from_float": "a whole number",
+    "date_type": "a date: 2025-01-31",
+    "date_parsing": "a date: 2025-01-31",
+    "date_from_datetime_parsing": "a date: 2025-01-31",
+    "date_from_datetime_inexact": "a date: 2025-01-31",
+    "string_too_short": "text in quotes, not empty",
+    "string_pattern_mismatch": "text of the form {pattern}",
+    "too_long": "a list of {max_length}",
+    "too_short": "a list of {min_length} or more",
 }
+
+
+def numbers_once(what: str) -> BeforeValidator:
+    """Refuse a table whose keys are numbers and that spells one of them twice, as 1 and 01.
+
+    Parameters
+    ----------
+    what : str
+        What a number is of, for messages: "tool".
+    """
+
+    def check(table: Any) -> Any:
+        seen: set[int] = set()
+        for key in table if isinstance(table, Mapping) else ():
+            try:
+                number = _WHOLE.validate_python(key)
+            except ValidationError:  # told by the keys' own check
+                continue
+            if number in seen:
+                said = {"what": what, "number": number, "key": key}
+                raise PydanticCustomError(_TWICE, "{what} {number} is named twice", said)
+            seen.add(number)
+        return table
+
+    return BeforeValidator(check)
 
 
 class FileSection(BaseModel):
@@ -213,7 +260,7 @@ def _keys_of(complaint: Mapping[str, Any], data: Mapping[str, Any]) -> list[str]
             if complaint["type"] != "missing":
                 continue
         keys.append(str(part))
-    return keys
+    return [*keys, complaint["ctx"]["key"]] if complaint["type"] == _TWICE else keys
 
 
 def _complaint(
@@ -232,6 +279,8 @@ def _complaint(
         hint = f"did you mean '{close[0]}'?" if close else None
         what = f"unknown key '{dotted}'"
         return InputError(what, **where, accepted=", ".join(known), hint=hint)
+    if first["type"] == _TWICE:
+        return InputError(first["msg"], **where, accepted="every number once", hint="take one out")
     if first["type"] == "missing" and keys[-1].isdigit():
         what = f"'{'.'.join(keys[:-1])}' = {first['input']!r}"
         return InputError(what, **where, accepted="a longer list")
@@ -242,7 +291,10 @@ def _complaint(
 
 def _accepted(complaint: Mapping[str, Any]) -> str:
     message: str = complaint["msg"].removeprefix("Value error, ").removeprefix("accepted: ")
-    return _ACCEPTED.get(complaint["type"], message.removeprefix("Input should be "))
+    words = _ACCEPTED.get(complaint["type"])
+    if words is None:
+        return message.removeprefix("Input should be ")
+    return words.format(**complaint.get("ctx", {}))
 
 
 def _known_keys(schema: type[FileSection], keys: list[str]) -> list[str]:

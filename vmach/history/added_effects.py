@@ -12,11 +12,12 @@ from vmach.base.note import Note
 from vmach.diagnosis.named_fit import NamedEffect, fit_named
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.errors import InputError
-from vmach.files.atomic import atomic_file
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import line_of_key
 from vmach.history import rms_um
 from vmach.history.following_job import history_toml, moved_text
+from vmach.history.job_text import with_tables
+from vmach.history.new_job_files import write_and_read
 from vmach.job import free_job_name, read_job
 
 __all__ = ["add_effects"]
@@ -69,18 +70,17 @@ def add_effects(
     target = out or free_job_name(job.path)
     if target.exists():
         raise InputError("file is there already", file=target, hint="choose another name with -o")
-    text = moved_text(text, job.folder, target.parent)
+    text = moved_text(text, job.folder, target.parent, file=job.path)
     before = rms_um(survey)
     after = rms_um(survey, sum(effect.explained_mm for effect in found))
-    text = text.rstrip() + "\n\n" + "\n".join(_effect_toml(e) for e in found)
-    text += "".join(_fitted_toml(e) for e in found)
-    text += history_toml(
+    more = "\n".join(_effect_toml(e) for e in found) + "".join(_fitted_toml(e) for e in found)
+    more += history_toml(
         job, target.parent, [effect.label for effect in found],
         figures={"rms_before_um": before, "rms_after_um": after},
         effect_files={e.effect.name: e.effect.file for e in found if e.effect.file},
     )  # fmt: skip
-    with atomic_file(target) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    text = with_tables(text, more, file=job.path)
+    write_and_read({target: text}, target, old=job.path)
     for note in survey.notes:
         tell(note)
     return target, found

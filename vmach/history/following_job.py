@@ -4,31 +4,38 @@ from __future__ import annotations
 
 import json
 import os
-import re
+import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import tomlkit
+
+from vmach.files.toml_text import quoted_path
+from vmach.history.job_text import checked_job, parsed_job
 from vmach.job import Job
+from vmach.job.path_keys import change_paths
 
 __all__ = ["history_toml", "moved_path", "moved_text"]
 
-_PATHS = re.compile(
-    r"""^(?P<key>\s*(?:machine|program|nominal|measured|file)\s*=\s*)"""
-    r"""(?P<quote>["'])(?P<path>(?:(?!(?P=quote)).)+)(?P=quote)""",
-    re.MULTILINE,
-)
 
+def moved_text(text: str, old: Path, new: Path, *, file: Path) -> str:
+    """The job's text with its relative paths seen from another folder.
 
-def moved_text(text: str, old: Path, new: Path) -> str:
-    """The job's text with its relative paths seen from another folder."""
+    Raises
+    ------
+    InputError
+        The text of `file` is written in a way that cannot be changed.
+    """
     if old.resolve() == new.resolve():
         return text
 
-    def rebased(match: re.Match) -> str:
-        path = moved_path(match["path"], old, new)
-        return f"{match['key']}{match['quote']}{path}{match['quote']}"
+    def move(name: str) -> str:
+        return moved_path(name, old, new)
 
-    return _PATHS.sub(rebased, text)
+    document, wanted = parsed_job(text, file), tomllib.loads(text)
+    change_paths(document, move)
+    change_paths(wanted, move)
+    return checked_job(tomlkit.dumps(document), wanted, file=file)
 
 
 def moved_path(name: str, old: Path, new: Path) -> str:
@@ -62,10 +69,10 @@ def history_toml(
     last = old.history[-1] if old.history else {}
     files = {n: moved_path(f, old.folder, folder) for n, f in last.get("effect_files", {}).items()}
     files |= {name: _seen_from(file, folder) for name, file in (effect_files or {}).items()}
-    own = ", ".join(f"{name} = {json.dumps(file)}" for name, file in files.items())
+    own = ", ".join(f"{name} = {quoted_path(Path(file))}" for name, file in files.items())
     return (
         "\n[[history]]\n"
-        f"previous = {json.dumps(_seen_from(old.path, folder))}\n"
+        f"previous = {quoted_path(Path(_seen_from(old.path, folder)))}\n"
         f"added = {json.dumps(list(added), ensure_ascii=False)}\n"
         + "".join(f"{name} = {value:.4g}\n" for name, value in (figures or {}).items())
         + (f"effect_files = {{{own}}}\n" if own else "")

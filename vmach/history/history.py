@@ -13,6 +13,8 @@ from vmach.base.units import um_from_mm
 from vmach.diagnosis.residuals.job_survey import survey_job, survey_part
 from vmach.errors import InputError
 from vmach.files.atomic import atomic_file
+from vmach.files.text_file import read_text
+from vmach.files.toml_file import line_of_key
 from vmach.fit.survey import Survey
 from vmach.history.held_out import held_out_rms_um
 from vmach.job import Job, read_job
@@ -83,7 +85,28 @@ def history_of(job_path: Job | str | Path, *, check: Job | None = None) -> list[
         )
         if "previous" not in last:
             return steps[::-1]
-        job = read_job(job.folder / last["previous"])
+        job = read_job(_previous(job, last["previous"]))
+
+
+def _previous(job: Job, name: str) -> Path:
+    """The job file that the last step of a job's history names.
+
+    Raises
+    ------
+    InputError
+        It is not there any more.
+    """
+    path = job.folder / name
+    if path.is_file():
+        return path
+    text = read_text(job.path, what="job file")
+    raise InputError(
+        f"[[history]] previous = '{name}': no such file",
+        file=job.path,
+        line=line_of_key(text, ["history", str(len(job.history) - 1), "previous"]),
+        accepted="the job that this one goes on from",
+        hint="put it back, or take [[history]] out: the chain then begins here",
+    )
 
 
 def rms_um(survey: Survey, explained_mm: np.ndarray | float = 0.0) -> float:

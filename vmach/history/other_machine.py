@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import tomlkit
+from tomlkit.exceptions import TOMLKitError
+from tomlkit.items import InlineTable
 
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
+from vmach.files.toml_file import line_of_key
 from vmach.history.following_job import moved_path
 from vmach.machine.component_errors import component_of
 from vmach.machine.files.volumetric_file import read_volumetric_file
@@ -56,7 +60,7 @@ def other_machine_text(machine: Path, values: Sequence[MachineValue], folder: Pa
     InputError
         A reflector without a table; a volumetric file that cannot be read.
     """
-    document: Any = tomlkit.parse(read_text(machine, what="machine file"))
+    document = _with_error_tables(read_text(machine, what="machine file"), machine)
     entries = document.setdefault("errors", tomlkit.table(is_super_table=True))
     for entry in entries.values():
         if "table" in entry:
@@ -68,7 +72,40 @@ def other_machine_text(machine: Path, values: Sequence[MachineValue], folder: Pa
         )
     for value in values:
         _set(entries, value, machine, folder)
-    return tomlkit.dumps(document)
+    text = tomlkit.dumps(document)
+    try:
+        tomllib.loads(text)
+    except ValueError:
+        line = line_of_key(read_text(machine, what="machine file"), ["errors"])
+        raise InputError(
+            "the file cannot be changed as it is written", file=machine, line=line,
+            accepted="a table [errors.NAME] for each error",
+        ) from None  # fmt: skip
+    return text
+
+
+def _with_error_tables(text: str, machine: Path) -> Any:
+    """A machine's data with its comments; errors that are written inline get tables of their own.
+
+    Raises
+    ------
+    InputError
+        It is written in a way that cannot be changed.
+    """
+    try:
+        document: Any = tomlkit.parse(text)
+    except TOMLKitError as error:
+        raise InputError(
+            f"the file cannot be changed: {error}", file=machine, accepted="TOML"
+        ) from None
+    entries = document.get("errors", {})
+    if any(isinstance(table, InlineTable) for table in (entries, *entries.values())):
+        said = document.pop("errors").unwrap()
+        plain = tomlkit.table(is_super_table=True)
+        for name, entry in said.items():
+            plain[name] = entry
+        document["errors"] = plain
+    return document
 
 
 def _make_room(

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Mapping, MutableMapping, Sequence
+import tomllib
+from collections.abc import MutableMapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import tomlkit
+from tomlkit.items import InlineTable
 
-from vmach.effects import read_effects
 from vmach.errors import InputError
-from vmach.files.atomic import atomic_file
 from vmach.files.text_file import read_text
-from vmach.files.together import together
 from vmach.history.following_job import history_toml, moved_text
+from vmach.history.job_text import checked_job, in_tables, parsed_job, with_tables
+from vmach.history.new_job_files import write_and_read
 from vmach.history.other_machine import MachineValue, other_machine_text
-from vmach.job import Job, free_job_name, read_job
-from vmach.machine import read_machine
+from vmach.job import free_job_name, read_job
 from vmach.machine.component_errors import COMPONENT_NAMES
 
 __all__ = ["set_values"]
@@ -37,6 +38,7 @@ class _EffectValue:
     target: str
     parameter: str
     value: float
+    word: str
 
     @property
     def words(self) -> str:
@@ -79,15 +81,29 @@ def set_values(
     for path in filter(None, (target, machine)):
         if path.exists():
             raise InputError("file is there already", file=path, hint="choose another with -o")
-    text = moved_text(read_text(job.path, what="job file"), job.folder, target.parent)
-    text = _with_effects(text, of_effects, machine)
+    text = read_text(job.path, what="job file")
+    text = moved_text(text, job.folder, target.parent, file=job.path)
+    text = _with_effects(text, of_effects, machine, file=job.path)
     said = [value.words for value in of_effects] + [value.words for value in of_machine]
-    text = text.rstrip() + "\n" + history_toml(job, target.parent, list(dict.fromkeys(said)))
+    more = history_toml(job, target.parent, list(dict.fromkeys(said)))
+    text = with_tables(text, more, file=job.path)
     written: dict[Path, str] = {target: text}
     if machine is not None:
         written[machine] = other_machine_text(job.machine_path, of_machine, machine.parent)
-    _write_and_read(written, target)
+    try:
+        write_and_read(written, target, old=job.path)
+    except InputError as error:
+        raise _quoting(error, of_effects) from None
     return target, machine
+
+
+def _quoting(error: InputError, values: Sequence[_EffectValue]) -> InputError:
+    """A complaint about what was told on the command line, with the word that told it."""
+    told = [(v.parameter, v.word) for v in values] + [(v.name, v.word) for v in values]
+    word = next((word for said, word in told if said in error.what), None)
+    if error.file is not None or word is None:
+        return error
+    return InputError(f"{word!r}: {error.what}", accepted=error.accepted, hint=error.hint)
 
 
 def _read(words: Sequence[str]) -> tuple[list[_EffectValue], list[MachineValue]]:
@@ -99,9 +115,8 @@ def _read(words: Sequence[str]) -> tuple[list[_EffectValue], list[MachineValue]]
         elif match := _TABLE.fullmatch(word):
             machine.append(MachineValue(match["component"], table=Path(match["file"])))
         elif match := _EFFECT.fullmatch(word):
-            value = _number(word, match["value"])
-            effects.append(_EffectValue(match["name"], match["target"] or "", match["parameter"],
-                                        value))  # fmt: skip
+            names = match["name"], match["target"] or "", match["parameter"]
+            effects.append(_EffectValue(*names, _number(word, match["value"]), word))
         else:
             raise InputError(f"{word!r}", accepted=_ACCEPTED)
     for one in machine:
@@ -114,9 +129,12 @@ def _read(words: Sequence[str]) -> tuple[list[_EffectValue], list[MachineValue]]
 
 def _number(word: str, text: str) -> float:
     try:
-        return float(text)
+        value = float(text)
     except ValueError:
-        raise InputError(f"{word!r}: {text!r} is no number", accepted=_ACCEPTED) from None
+        value = math.nan
+    if not math.isfinite(value) or "_" in text:  # Python reads 1_0 as 10
+        raise InputError(f"{word!r}: {text!r} is no number", accepted=_ACCEPTED)
+    return value
 
 
 def _three(word: str, text: str) -> tuple[float, ...]:
@@ -126,49 +144,61 @@ def _three(word: str, text: str) -> tuple[float, ...]:
     return values
 
 
-def _with_effects(text: str, values: Sequence[_EffectValue], machine: Path | None) -> str:
+def _with_effects(
+    text: str, values: Sequence[_EffectValue], machine: Path | None, *, file: Path
+) -> str:
     """The job's text with other parameters; what was left open of a fitted one goes with it."""
-    document = tomlkit.parse(text)
+    wanted = tomllib.loads(text)
+    _change(wanted, values, machine)
+
+    def changed(text: str) -> str:
+        document = parsed_job(text, file)
+        _change(document, values, machine)
+        return checked_job(tomlkit.dumps(document), wanted, file=file)
+
+    try:
+        return changed(text)
+    except InputError:  # as they are written, effects cannot grow
+        return changed(in_tables(text, file))
+
+
+def _change(
+    job: MutableMapping[str, Any], values: Sequence[_EffectValue], machine: Path | None
+) -> None:
+    """Change the data of a job, with its comments or without."""
     if machine is not None:
-        document["machine"] = machine.name
-    effects = document.setdefault("effects", tomlkit.table(is_super_table=True))
+        job["machine"] = machine.name
+    effects = _inside(job, "effects")
     for value in values:
         _parameters_of(effects, value)[value.parameter] = value.value
     changed = {(value.name, value.target) for value in values}
-    fitted: Any = document.get("fitted", [])
+    fitted: Any = job.get("fitted", [])
     for k in reversed(range(len(fitted))):
         if (fitted[k].get("effect"), fitted[k].get("target", "")) in changed:
             del fitted[k]
-    if "fitted" in document and not len(fitted):
-        del document["fitted"]
+    if "fitted" in job and not len(fitted):
+        del job["fitted"]
     if not effects:
-        del document["effects"]
-    return tomlkit.dumps(document)
+        del job["effects"]
 
 
 def _parameters_of(effects: Any, value: _EffectValue) -> Any:
     """The table of an effect; a new one where it is not there."""
-    table = effects.setdefault(value.name, tomlkit.table(is_super_table=bool(value.target)))
+    table = _inside(effects, value.name, is_super_table=bool(value.target))
     if not isinstance(table, MutableMapping):
         raise InputError(f"effects.{value.name} = {table!r}", accepted="a table")
     if not value.target or table.get("target") == value.target:
         return table
-    return table.setdefault(value.target, tomlkit.table())
+    return _inside(table, value.target, is_super_table=False)
 
 
-def _write_and_read(written: Mapping[Path, str], job_path: Path) -> None:
-    """Write all files, and take them away where they make no job."""
-    with together():
-        for path, text in written.items():
-            with atomic_file(path) as temporary:
-                temporary.write_text(text, encoding="utf-8")
-    try:
-        job: Job = read_job(job_path)
-        read_machine(job.machine_path)
-        read_effects(job.effects, file=job.path, job=job)
-    except BaseException as error:
-        for path in written:
-            path.unlink(missing_ok=True)
-        if isinstance(error, InputError) and error.file in written:  # there is no such file
-            raise InputError(error.what, accepted=error.accepted, hint=error.hint) from None
-        raise
+def _inside(table: Any, key: str, *, is_super_table: bool = True) -> Any:
+    """The table of a key; a new one of the same kind where it is not there."""
+    if key not in table:
+        if isinstance(table, InlineTable):
+            table[key] = tomlkit.inline_table()
+        elif type(table) is dict:
+            table[key] = {}
+        else:
+            table[key] = tomlkit.table(is_super_table=is_super_table)
+    return table[key]

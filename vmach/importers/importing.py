@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from vmach.errors import InputError
 from vmach.files.atomic import atomic_file, check_outputs, edited_file
-from vmach.files.text_file import read_text
+from vmach.files.text_file import as_written, read_text
 from vmach.files.together import together
 from vmach.files.toml_file import complaints
 from vmach.importers.catalogue import catalogue
@@ -92,6 +93,7 @@ def import_files(
             if error.file is not None:
                 raise
             raise source.error(error.what, accepted=error.accepted or "", hint=error.hint) from None
+    questions.check_columns()
     unused = questions.unused()
     if unused:
         keys = ", ".join(dict.fromkeys(k for one in catalogue().values() for k in one.keys))
@@ -128,7 +130,7 @@ def write_imported(imported: Sequence[Imported], target: Target) -> list[Path]:
                 temporary.write_text(text, encoding="utf-8")
         for path, text in texts.items():
             with edited_file(path) as temporary:
-                temporary.write_text(text, encoding="utf-8")
+                temporary.write_bytes(as_written(text, path))
     return [*(path for path, _ in files), *texts]
 
 
@@ -142,12 +144,32 @@ def _edited(imported: Sequence[Imported], target: Target) -> dict[Path, str]:
         schema = MachineSchema if kind == "machine" else JobSchema
         own = [_relative(s, target.folder, path) for s in sections if s.file == kind]
         if not own:
+            _check_is_edited(path, before)
             continue
         faults = sorted(map(str, complaints(path, schema, what=f"{kind} file")))
         if faults:
             raise InputError(f"has faults, the first: {faults[0]}", file=path, hint="mend it first")
         texts[path] = text_with(before, own, file=path)
     return texts
+
+
+def _check_is_edited(path: Path, text: str) -> None:
+    """Refuse what is neither a machine nor a job file, though nothing goes into it.
+
+    Raises
+    ------
+    InputError
+    """
+    try:
+        data = tomllib.loads(text)
+    except ValueError:
+        data = {}
+    if path.suffix.lower() != ".toml" and not data.keys() & {"chain", "program"}:
+        raise InputError(
+            "--into: is neither a machine nor a job file",
+            file=path,
+            accepted="machine.toml, job.toml or a folder with them",
+        )
 
 
 def is_machine(path: Path) -> bool:

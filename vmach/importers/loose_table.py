@@ -206,7 +206,7 @@ def _found(
         else:
             places = [k for k, cell in enumerate(header) if column.matches(_split(cell, column)[0])]
         places = [k for k in places if k not in found]
-        if not places and column.is_needed:
+        if not places and (column.is_needed or column.name in given):
             return None
         if places:
             found[places[0]] = (column, _split(header[places[0]], column)[1])

@@ -16,6 +16,18 @@ __all__ = ["Questions"]
 _LARGEST = 1e6  #: of a number in an answer: what files of the project take
 
 
+class _Columns(dict[str, str]):
+    """Headings by the names of columns; what was asked for is remembered."""
+
+    def __init__(self, given: Mapping[str, str]) -> None:
+        super().__init__(given)
+        self.asked: set[str] = set()
+
+    def __contains__(self, name: object) -> bool:
+        self.asked.add(str(name))
+        return super().__contains__(name)
+
+
 @dataclass
 class Questions:
     """Answers, and whom to ask for those that are missing.
@@ -45,6 +57,25 @@ class Questions:
     machine_file: Path | None = None
     used: set[str] = field(default_factory=set)
     assumed: dict[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.columns, _Columns):
+            self.columns = _Columns(self.columns)
+
+    def check_columns(self) -> None:
+        """Refuse a heading of a column that no table has.
+
+        Raises
+        ------
+        InputError
+        """
+        assert isinstance(self.columns, _Columns)
+        asked = self.columns.asked
+        for name, heading in self.columns.items():
+            if name not in asked:
+                known = ", ".join(sorted(asked)) or "none: these files need no --column"
+                what = f"--column {name}={heading}: no file has a column of this name"
+                raise InputError(what, accepted=known)
 
     @cached_property
     def job(self) -> Job | None:

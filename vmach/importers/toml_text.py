@@ -60,7 +60,8 @@ def text_with(text: str, sections: Iterable[Section], *, file: Path) -> str:
     for section in sections:
         said = _parsed(text, file)
         if section.is_array:
-            text = text.rstrip("\n") + "\n" + section_text(section)
+            longer = text.rstrip("\n") + "\n" + section_text(section)
+            text = _checked(longer, text, section, file)
             continue
         there = _table(said, section.table)
         for key in section.values:
@@ -73,9 +74,25 @@ def text_with(text: str, sections: Iterable[Section], *, file: Path) -> str:
                     accepted="a file that does not say it yet",
                     hint="take the old lines out first, or paste the new ones by hand",
                 )
-        text = _with_keys(text, section, is_there=there is not None)
-    _parsed(text, file)
+        longer = _with_keys(text, section, is_there=there is not None)
+        text = _checked(longer, text, section, file)
     return text
+
+
+def _checked(longer: str, text: str, section: Section, file: Path) -> str:
+    """The longer text, if it is TOML; it is none where a table is written inline."""
+    try:
+        tomllib.loads(longer)
+    except ValueError:
+        key = section.table.split(".")[0] or next(iter(section.values))
+        raise InputError(
+            f"'{key}' is written in one line, and [{section.table}] cannot be added to it",
+            file=file,
+            line=line_of_key(text, [key]),
+            accepted=f"a header for each of its tables: [{section.table}]",
+            hint="write it so, or paste the new lines by hand",
+        ) from None
+    return longer
 
 
 def _parsed(text: str, file: Path) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -97,8 +98,24 @@ def read_job(path: Job | str | Path) -> Job:
         effects=data.effects,
         measurements=data.measurements,
         history=[step.model_dump(exclude_none=True) for step in data.history],
-        fitted={(f.effect, f.target): tuple(f.one_sigma) for f in data.fitted},
+        fitted=_fitted(data, at),
     )
+
+
+def _fitted(
+    data: JobSchema, at: Callable[..., dict[str, Any]]
+) -> dict[tuple[str, str], tuple[dict[str, Any], ...]]:
+    """What is left open of each effect."""
+    found: dict[tuple[str, str], tuple[dict[str, Any], ...]] = {}
+    for number, one in enumerate(data.fitted):
+        if (one.effect, one.target) in found:
+            raise InputError(
+                f"[[fitted]] of {one.effect} {one.target}".rstrip() + " is there twice",
+                **at("fitted", str(number)),
+                accepted="one for each effect and target",
+            )
+        found[one.effect, one.target] = tuple(one.one_sigma)
+    return found
 
 
 def _dialect(data: JobSchema, where: dict[str, Any]) -> str:

@@ -7,13 +7,24 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field
 
 from gcode import INCREMENT_SYSTEMS, WORK_OFFSETS, ProgramError, dialect_name, dialect_names
-from vmach.files.toml_file import FileSection, Finite, NonNegative, Point, Positive, Whole
+from vmach.files.toml_file import (
+    FileSection,
+    Finite,
+    NonNegative,
+    Point,
+    Positive,
+    Whole,
+    numbers_once,
+)
 
 __all__ = [
+    "FILE_KEY",
+    "FILE_NAME",
     "CircularTestEntry",
     "ControlEntry",
     "DrawingEntry",
     "FeatureEntry",
+    "FileName",
     "FittedEntry",
     "HistoryEntry",
     "InspectionEntry",
@@ -25,8 +36,16 @@ __all__ = [
     "ToolEntry",
 ]
 
+#: marks what names a file or a folder, seen from the folder of the job
+FILE_NAME = "file name"
+FileName = Annotated[str, FILE_NAME]
+#: a table whose other keys an instrument knows; this one names a file
+FILE_KEY = "file"
+MeasurementTable = Annotated[dict[str, Any], FILE_KEY]
+
 #: largest number of a tool, and of a row of the offset memory
 _LARGEST_TOOL = 99_999
+_Number = Annotated[int, Field(ge=1, le=_LARGEST_TOOL)]
 
 
 def _known_offsets(offsets: dict[str, Point]) -> dict[str, Point]:
@@ -66,7 +85,7 @@ class ControlEntry(FileSection):
     ignore_m: list[Annotated[int, Field(ge=0, le=99_999)]] = []
     ignore_calls: list[str] = []
     variables: dict[str, Finite] = {}
-    subprograms: str | None = None
+    subprograms: FileName | None = None
     options: dict[str, str] = {}
 
 
@@ -75,7 +94,7 @@ class StockEntry(FileSection):
 
     min_mm: Point | None = None
     max_mm: Point | None = None
-    file: str | None = None
+    file: FileName | None = None
     unit: LengthUnit | None = None
 
 
@@ -152,12 +171,12 @@ class FittedEntry(FileSection):
 class HistoryEntry(FileSection):
     """[[history]]: what ``vmach add`` notes of the job before."""
 
-    previous: str
+    previous: FileName
     added: list[str] = []
     rms_before_um: NonNegative | None = None
     rms_after_um: NonNegative | None = None
     #: name of an effect of a user's own, and the file that it is in
-    effect_files: dict[str, str] = {}
+    effect_files: dict[str, FileName] = {}
 
 
 class FeatureEntry(FileSection):
@@ -176,7 +195,7 @@ class DrawingEntry(FileSection):
     part: str = ""
     serial: str = ""
     revision: str = ""
-    logo: str | None = None
+    logo: FileName | None = None
 
 
 class CircularTestEntry(FileSection):
@@ -192,19 +211,19 @@ class JobSchema(FileSection):
     """A whole job file."""
 
     schema_: Literal[1] = Field(alias="schema")
-    machine: str
-    program: str
+    machine: FileName
+    program: FileName
     dialect: Annotated[str | None, AfterValidator(_known_dialect)] = None
     control: ControlEntry = ControlEntry()
-    nominal: str | None = None
+    nominal: FileName | None = None
     nominal_unit: LengthUnit | None = None
-    measured: str | None = None
+    measured: FileName | None = None
     workpiece_zero: str | None = None
     tool_offsets: Literal["program", "touched off"] = "program"
     work_offsets_mm: Annotated[dict[str, Point], AfterValidator(_known_offsets)]
     stock: StockEntry | None = None
-    tools: dict[Annotated[int, Field(ge=1, le=_LARGEST_TOOL)], ToolEntry]
-    offsets: dict[Annotated[int, Field(ge=1, le=_LARGEST_TOOL)], OffsetRow] = {}
+    tools: Annotated[dict[_Number, ToolEntry], numbers_once("tool")]
+    offsets: Annotated[dict[_Number, OffsetRow], numbers_once("offset")] = {}
     inspection: InspectionEntry = InspectionEntry()
     measuring_machine: MeasuringMachineEntry = MeasuringMachineEntry()
     probing: ProbingEntry | None = None
@@ -214,6 +233,6 @@ class JobSchema(FileSection):
     drawing: DrawingEntry = DrawingEntry()
     circular_test: CircularTestEntry | None = None
     effects: dict[str, Any] = {}
-    measurements: list[dict[str, Any]] = []
+    measurements: list[MeasurementTable] = []
     history: list[HistoryEntry] = []
     fitted: list[FittedEntry] = []

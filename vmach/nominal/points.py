@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -194,16 +194,11 @@ def when_measured(numbers: Mapping[str, np.ndarray], path: Path) -> np.ndarray |
 
 def _read_rows(path: Path) -> tuple[list[str], list[list[str]], np.ndarray]:
     """Names of the columns, the rows' cells and the line that each row ends on."""
-    text = read_text(path, what="points file")
-    try:
-        reader = csv.reader(io.StringIO(text), strict=True)
-        numbered = [
-            (reader.line_num, row)
-            for row in reader
-            if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
-        ]
-    except csv.Error as error:
-        raise InputError(f"no CSV text: {error}", file=path, line=reader.line_num) from None
+    numbered = [
+        (line, row)
+        for line, row in _numbered_rows(path)
+        if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
+    ]
     if len(numbered) < 2:
         raise InputError(
             "no points in the file", file=path, accepted=f"a heading {', '.join(_KNOWN)} and rows"
@@ -226,6 +221,23 @@ def _read_rows(path: Path) -> tuple[list[str], list[list[str]], np.ndarray]:
         )
     lines = np.array([line for line, _ in numbered[1:]])
     return header, [row for _, row in numbered[1:]], lines
+
+
+def _numbered_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Every row with the line that it ends on; a quote without its partner begins on another."""
+    reader = csv.reader(io.StringIO(read_text(path, what="points file")), strict=True)
+    ended = 0
+    try:
+        for row in reader:
+            yield reader.line_num, row
+            ended = reader.line_num
+    except csv.Error as error:
+        raise InputError(
+            f"no CSV text: {error}",
+            file=path,
+            line=ended + 1,
+            hint="look for a quotation mark without its partner",
+        ) from None
 
 
 class _Table:

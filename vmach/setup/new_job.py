@@ -13,6 +13,7 @@ from vmach.checkup.program_needs import Needs
 from vmach.errors import InputError
 from vmach.files.atomic import atomic_file
 from vmach.files.together import together
+from vmach.files.toml_text import quoted, quoted_path
 from vmach.nominal import NominalPart, read_nominal
 from vmach.setup.editor_schemas import EDITED_FILES, editor_schema
 from vmach.setup.kinematics import Kinematics
@@ -92,11 +93,11 @@ def new_job(folder: Path, answers: Answers) -> tuple[Path, ...]:
 
 
 def _relative(path: Path, folder: Path) -> str:
-    """The path as a job file in the folder names it."""
+    """The path as a job file in the folder names it, in quotes."""
     try:
-        return path.resolve().relative_to(folder.resolve()).as_posix()
+        return quoted_path(path.resolve().relative_to(folder.resolve()))
     except ValueError:
-        return path.resolve().as_posix()
+        return quoted_path(path.resolve())
 
 
 def _machine_lines(answers: Answers) -> Iterator[str]:
@@ -136,15 +137,15 @@ def _job_lines(
     yield f"#:schema ./{_SCHEMAS}/job.json"
     yield "schema = 1"
     yield 'machine = "machine.toml"'
-    yield f'program = "{_relative(answers.program, folder)}"'
+    yield f"program = {_relative(answers.program, folder)}"
     if answers.nominal is not None:
-        yield f'nominal = "{_relative(answers.nominal, folder)}"'
+        yield f"nominal = {_relative(answers.nominal, folder)}"
     else:
         yield '# nominal = "part.step"'
     if answers.control != "auto":
         yield ""
         yield "[control]"
-        yield f'name = "{answers.control}"'
+        yield f"name = {quoted(answers.control)}"
     yield ""
     yield "[work_offsets_mm]  # mend: the workpiece zero in machine coordinates"
     for name in needs.work_offsets or {"G54": 0}:

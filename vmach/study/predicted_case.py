@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -20,7 +20,7 @@ from vmach.path.preparation import Preparation, prepare
 from vmach.plausibility import admitted_machine
 from vmach.prediction import predict_surface
 from vmach.report.result import STATUSES
-from vmach.study.case import Case
+from vmach.study.case import Case, Value
 from vmach.uncertainty.drawn_machine import DrawnTables, drawn_steps
 from vmach.uncertainty.tables import TableUncertainty
 
@@ -28,6 +28,8 @@ __all__ = ["predicted_case"]
 
 #: what the values of a case may be called
 _NAMES = ("job", "points", "machine", "program", "model", "draw")
+#: those that name a file
+_FILES = ("job", "points", "machine", "program")
 #: programs and tables of points that a worker keeps at hand
 _KEPT = 8
 
@@ -68,12 +70,42 @@ def predicted_case(case: Case, random: np.random.Generator) -> dict[str, Any]:
     }
 
 
-def _check_name(name: str, fail: Callable[[str, str], InputError]) -> None:
-    if name not in _NAMES:
-        raise fail(f"cases have no value '{name}'", ", ".join(_NAMES))
+def _check_values(
+    values: Mapping[str, Sequence[Value]],
+    folder: Path,
+    fail: Callable[[str, str, str], InputError],
+) -> None:
+    """Refuse what every case with a value would fail by, before any is worked on.
+
+    Parameters
+    ----------
+    values : mapping of name to sequence of Value
+        Those of all cases.
+    folder : Path
+        From which names of files count.
+    fail : callable
+        The error for a name, what is wrong and what is accepted.
+    """
+    for name in values:
+        if name not in _NAMES:
+            raise fail(name, f"cases have no value '{name}'", ", ".join(_NAMES))
+    for name in ("job", "points"):
+        if name not in values:
+            raise fail(name, f"the cases have no '{name}'", "the name of a file")
+    for name in _FILES:
+        for value in values.get(name, ()):
+            if not isinstance(value, str) or not _is_there(folder / value, name):
+                raise fail(name, f"{name} = {value!r}: no such file", "the name of a file")
+    for value in values.get("model", ()):
+        if value not in list(Variant):
+            raise fail("model", f"model = {value!r}", ", ".join(Variant))
 
 
-predicted_case.check_value_name = _check_name
+def _is_there(path: Path, name: str) -> bool:
+    return path.is_file() or (name == "job" and (path / "job.toml").is_file())
+
+
+predicted_case.check_values = _check_values  # type: ignore[attr-defined]
 
 
 def _variant(text: object) -> Variant:

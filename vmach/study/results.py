@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -67,6 +68,14 @@ class ResultFolder:
             accepted="the study as it was, or another folder",
             hint="--out names one",
         )
+
+    def first_failure(self) -> str:
+        """The case that failed first by its name, and why; empty where none did."""
+        for path in sorted((self.path / _FAILED).glob("*.txt")):
+            said = path.read_text(encoding="utf-8", errors="replace").split("\n")
+            rows = [row for row in said if row.strip()]
+            return f"{rows[0]}: {rows[-1].strip()}" if rows else path.name
+        return ""
 
     def is_done(self, case: Case) -> bool:
         """Whether the case has its result."""
@@ -187,7 +196,7 @@ def _cells(values: list[Any]) -> Cells:
     known = [value for value in values if value is not None]
     if all(isinstance(value, int) and abs(value) < 2**63 for value in known):
         return whole(np.array([value or 0 for value in values]), shown=shown)
-    if all(isinstance(value, int | float) for value in known):
+    if all(isinstance(v, int | float) and abs(v) <= sys.float_info.max for v in known):
         numbers = np.array([0.0 if value is None else value for value in values], dtype=float)
         cells = rounded(numbers, _DECIMALS)
         return Cells(cells.values, cells.written, cells.decimals, cells.is_trimmed, shown)

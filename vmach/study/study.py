@@ -20,8 +20,8 @@ from vmach.study.task import PREDICT, Task
 
 __all__ = ["Study", "read_study"]
 
-#: more cases are a slip of the product of lists
-_MOST_CASES = 10_000_000
+#: more cases are a slip of the product of lists; a case takes a kilobyte
+_MOST_CASES = 1_000_000
 
 _Scalar = Annotated[str, Strict()] | Flag | Annotated[int, Strict()] | Finite
 
@@ -111,20 +111,30 @@ def read_study(path: str | Path) -> Study:
     for name, values in lists.items():
         if not values:
             raise fail(["cases", name], f"cases.{name} is empty", "one value or more")
-    if data.draws:
-        if "draw" in lists:
-            raise fail(["draws"], "draws, and cases.draw", "one of them")
-        lists["draw"] = list(range(1, data.draws + 1))
+    if data.draws and "draw" in lists:
+        raise fail(["draws"], "draws, and cases.draw", "one of them")
     rows = list(_table(path.parent / data.table)) if data.table else [{}]
-    count = len(rows) * math.prod(map(len, lists.values()))
+    count = len(rows) * math.prod(map(len, lists.values())) * (data.draws or 1)
     if count > _MOST_CASES:
-        raise fail(["cases"], f"{count} cases", f"{_MOST_CASES} at most")
+        raise fail(["draws" if data.draws else "cases"], f"{count} cases", f"{_MOST_CASES} at most")
+    if data.draws:
+        lists["draw"] = list(range(1, data.draws + 1))
     cases = tuple(_product(rows, lists, path.parent.resolve(), data.seed))
     _check_once(cases, path)
     if check is not None:
-        for name in dict.fromkeys(name for case in cases for name in case.values):
-            check(name, lambda what, accepted, n=name: fail(["cases", n], what, accepted))
+        check(_values(cases), path.parent, lambda name, what, accepted: fail(
+            ["cases", name] if name in lists or not data.table else ["table"], what, accepted
+        ))  # fmt: skip
     return Study(path, task, cases)
+
+
+def _values(cases: Sequence[Case]) -> dict[str, list[Value]]:
+    """Every value that a name has in any case."""
+    names = dict.fromkeys(name for case in cases for name in case.values)
+    return {
+        name: list(dict.fromkeys(case.values[name] for case in cases if name in case.values))
+        for name in names
+    }
 
 
 def _product(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 import sys
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -41,13 +42,13 @@ class Task:
     folder: Path
 
     def check(self) -> Callable[..., None] | None:
-        """Whether there is such a function; gives what checks the names of the cases' values.
+        """Whether there is such a function; gives what checks the values of the cases.
 
         Raises
         ------
         InputError
         """
-        return getattr(self._function(), "check_value_name", None)
+        return getattr(self._function(), "check_values", None)
 
     def _function(self) -> Callable[[Case, np.random.Generator], Any]:
         module, _, name = self.name.partition(":")
@@ -59,6 +60,13 @@ class Task:
             found = getattr(importlib.import_module(module), name, None)
         except ImportError as error:
             raise InputError(f"function = {self.name!r}: {error}", accepted=_ACCEPTED) from None
+        except (Exception, SystemExit) as error:
+            place = traceback.extract_tb(error.__traceback__)[-1]
+            raise InputError(
+                f"function = {self.name!r}: {type(error).__name__} in "
+                f"{Path(place.filename).name}:{place.lineno}: {error}",
+                accepted="a module that can be loaded",
+            ) from error
         if not callable(found):
             raise InputError(
                 f"function = {self.name!r}: module '{module}' has no function '{name}'",
@@ -82,6 +90,7 @@ class Task:
                 f"{self.name} gives {type(found).__name__}", accepted="a dict of numbers and text"
             )
         try:
+            _check_sizes(found)
             return json.dumps(
                 {"case": dict(case.values), "result": found},
                 allow_nan=False, default=_plain,
@@ -91,6 +100,15 @@ class Task:
                 f"the result of {self.name} cannot be written: {error}",
                 accepted="finite numbers, text, None, and lists or dicts of these",
             ) from None
+
+
+def _check_sizes(value: Any) -> None:
+    """Refuse whole numbers that no table can hold."""
+    if isinstance(value, dict | list | tuple):
+        for part in value.values() if isinstance(value, dict) else value:
+            _check_sizes(part)
+    elif isinstance(value, int) and abs(value) > sys.float_info.max:
+        raise ValueError("a whole number beyond 1.8e308")
 
 
 def _plain(value: Any) -> Any:

@@ -35,6 +35,8 @@ def worked(task: Task, case: Case) -> tuple[str, bool]:
         return task.result_text(case), True
     except VmachError as error:
         return str(error), False
+    except SystemExit as error:
+        return f"{task.name} ends the program: sys.exit({error.code!r})", False
     except Exception:
         return traceback.format_exc(limit=-3), False
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from vmach.errors import InputError
+from vmach.files.toml_text import quoted
 
 __all__ = ["SHAPES", "new_job_text"]
 
@@ -36,7 +36,7 @@ def new_job_text(told: Mapping[str, Any]) -> str:
     for key in ("machine", "program", "nominal", "measured"):
         name = told.get(key)
         if name:
-            lines.append(f"{key} = {json.dumps(str(name))}")
+            lines.append(f"{key} = {quoted(str(name))}")
         elif key in ("machine", "program"):
             raise InputError(f"the {key} is missing", accepted="a file of the folder")
     lines += ["", "[work_offsets_mm]", f"G54 = {_three(told, 'zero_mm')}"]

@@ -105,7 +105,8 @@ def read_error_table(
     header = _Header(path, rows[0][0], rows[0][1], units=units, unit=unit, positions=positions)
     values = np.array([_numbers(cells, header, path, line) for line, cells in rows[1:]])
     if len(values) == 0:
-        raise InputError("the table has no rows below its header", file=path)
+        raise InputError("the table has no rows below its header", file=path, line=rows[0][0])
+    header.rows = values[:, header.position], [line for line, _ in rows[1:]]
     notes = []
     if np.any(np.diff(values[:, header.position]) < 0):
         notes.append(Note.plain(Kind.ROWS, "rows sorted by position"))
@@ -133,6 +134,8 @@ class _Header:
         positions: Mapping[str, float],
     ) -> None:
         self.path, self.line, self.names = path, line, names
+        #: positions (R,) of all rows, and their lines
+        self.rows: tuple[np.ndarray, list[int]] = (np.zeros(0), [])
         is_length = "mm" in units
         self.largest, self.size_unit = (LARGEST_MM, "mm") if is_length else (LARGEST_RAD, "rad")
         self.position, self.position_unit = self._find_position(positions)
@@ -161,6 +164,11 @@ class _Header:
                 self.backward.append(column)
         if not self.forward or not self.backward or len(set(names)) < len(names):
             raise self._wrong()
+
+    def line_at(self, position: float) -> int | None:
+        """The last line of a position."""
+        near = np.abs(self.rows[0] - position) < _SAME_POSITION * self.position_scale
+        return next((self.rows[1][k] for k in np.flatnonzero(near)[::-1]), None)
 
     def _find_position(self, positions: Mapping[str, float]) -> tuple[int, str]:
         for column, name in enumerate(self.names):
@@ -231,12 +239,19 @@ def _long_runs(values: np.ndarray, header: _Header) -> Runs:
 
 def _check_positions(position: np.ndarray, header: _Header) -> None:
     if len(position) < 2:
-        raise InputError(f"{len(position)} position", file=header.path, accepted="two or more")
+        raise InputError(
+            f"{len(position)} position",
+            file=header.path,
+            line=header.line_at(position[0]),
+            accepted="two or more",
+        )
     twice = np.flatnonzero(np.diff(position) < _SAME_POSITION * header.position_scale)
     if twice.size:
         raise InputError(
             f"position {position[twice[0]] / header.position_scale:g} occurs twice",
             file=header.path,
+            line=header.line_at(position[twice[0]]),
+            accepted="every position once",
             hint="single runs go into columns forward_1, forward_2, ...",
         )
 
@@ -252,7 +267,7 @@ def _filled(
         at = position[0] if not count[0] else position[-1]
         raise InputError(
             f"no {way} reading at {_listed([at], header)}, the end of the table", file=header.path,
-            accepted="both directions at either end",
+            line=header.line_at(at), accepted="both directions at either end",
         )  # fmt: skip
     mean = np.where(known, side, 0.0).sum(axis=0) / np.maximum(count, 1)
     gaps = np.flatnonzero(count == 0)

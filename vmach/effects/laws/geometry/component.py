@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from vmach.effects.effect import Effect
@@ -65,6 +67,17 @@ class Component(Effect):
 
     def needed(self, target):
         return ("position_mm", "correction_urad" if component_of(target)[2] else "correction_um")
+
+    def complaint(self, target, parameters):
+        position, key = parameters["position_mm"], self.needed(target)[1]
+        if (beside := len(parameters[key])) != len(position):
+            what = f"{key} has {beside} values and position_mm {len(position)}"
+            return key, what, "one value for each position"
+        for before, here in pairwise(position):
+            if not before < here:
+                what = f"position_mm has {here:g} behind {before:g}"
+                return "position_mm", what, "positions that increase, each once"
+        return None
 
     # a fit works with independent unit coefficients of a smooth curve ------------------------
 
