@@ -529,3 +529,21 @@ def test_each_measurement_has_its_residual(tmp_path):
     squares = np.array([m["rms_um"]["before"] for m in each]) ** 2
     assert np.sqrt(count @ squares / count.sum()) == pytest.approx(found.rms_um["before"], rel=1e-3)
     assert re.search(r"tip.csv: [\d.]+ -> [\d.]+ um, noise", as_text(found))
+
+
+def test_a_curve_that_a_part_alone_shows_has_no_level():
+    finding = Finding(
+        catalogue()["component"], "EZX", {}, {}, Rivals(("component",), ("component EZX",)),
+        "X -500 .. -400 mm", {}, is_relative=True,
+    )  # fmt: skip
+    said = as_text(SimpleNamespace(
+        verdict="named", findings=(finding,), proposals=(), weak=(), failures=(), blind_spots=(),
+        next_measurement=None, notes=(), remains_um=0.0,
+        rms_um={"before": 2.0, "after": 1.0, "expected_noise": 1.0},
+        residuals=SimpleNamespace(
+            states=("before", "after"), rms_um_by_measurement=[],
+            survey=SimpleNamespace(effects=()),
+        ),
+    ))  # fmt: skip
+    assert "where: X -500 .. -400 mm\n    up to a level and a slope" in said
+    assert "error table EZX (straightness of X in Z)" in said

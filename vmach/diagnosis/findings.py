@@ -36,6 +36,8 @@ class Finding:
         Of each parameter (low, high); empty for a component.
     weakly_identified : tuple of str
         Parameters of which the readings say hardly more than was known before.
+    is_relative : bool
+        Whether it is a curve whose level and slope the alignment of the part leaves open.
     odds, probability : float
         Log odds for it, given everything else, and the probability that it is no imitation of
         something else.
@@ -52,6 +54,7 @@ class Finding:
     where: str | None
     interval_95: dict
     weakly_identified: tuple[str, ...] = ()
+    is_relative: bool = False
     odds: float = 0.0
     probability: float = 0.0
     size_um: float = 0.0
@@ -136,6 +139,7 @@ def _finding(found: Inference, fitted: FittedParameters, k: int, judged: Explana
         where=where_component(fitted.values, fitted.u, target) if is_component else None,
         interval_95=fitted.interval_95,
         weakly_identified=fitted.weakly_identified,
+        is_relative=is_component and all(m.on_part for m in found.among.survey.measurements),
         odds=found.supports[k].odds,
         probability=found.supports[k].probability,
     )

@@ -13,7 +13,7 @@ from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.inference.verdicts import Weak
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.residuals.where_it_fails import Failure
-from vmach.diagnosis.words import describe, expected, rounded, title_of
+from vmach.diagnosis.words import RELATIVE, describe, expected, rounded, title_of
 from vmach.effects.declaration import unit_of
 from vmach.files.atomic import atomic_file
 
@@ -199,6 +199,8 @@ def _finding_lines(finding: Finding, *, is_told_apart: bool) -> list[str]:
     ]
     if finding.where:
         lines.append(f"    where: {finding.where}")
+        if finding.is_relative:
+            lines.append(f"    {RELATIVE}")
     else:
         meaning = {p.name: p.meaning for p in finding.effect.parameters}
         lines += [

@@ -12,6 +12,7 @@ from vmach.machine import LINEAR_AXES
 from vmach.machine.component_errors import component_of
 
 __all__ = [
+    "RELATIVE",
     "describe",
     "expected",
     "rounded",
@@ -20,6 +21,8 @@ __all__ = [
     "with_unit",
 ]
 
+#: said of a curve that points of a part alone show
+RELATIVE = "up to a level and a slope, which the alignment of the part leaves open"
 #: units at the ends of names, as people write them
 _UNITS = {unit: unit for unit in ("um", "mm", "ppm", "urad", "rad", "s", "ms")} | {"ms2": "ms²"}
 #: a correction counts as there where it exceeds this many standard uncertainties
