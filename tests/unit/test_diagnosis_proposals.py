@@ -237,3 +237,15 @@ def test_forms_without_room_are_weighed_once_at_each_look(pushed_job, monkeypatc
     looks = [[form for some, _ in forms._weighed() for form in some] for _ in range(3)]
     assert len(looks[0]) > 150
     assert looks[1] == looks[0] and looks[2] == looks[0]
+
+
+def test_of_forms_that_round_alike_the_first_is_listed(pushed_job, monkeypatch):
+    place = "a spot 30 mm wide at 100 mm in X, 50 mm in Y of the machine"
+    near = [State("spot", place, f"path.nose_mm[:, 0] > {x}") for x in (-200.2, -200.4)]
+    columns = FormColumns(survey_job(pushed_job))
+    before = len(columns)
+    for state in near:
+        monkeypatch.setattr(columns._spots, "states", lambda _, s=state: [(s, DIRECTIONS[0])])
+        columns.add_conspicuous(np.full(360, float(id(state))), np.zeros(360))
+    listed = [form for form in columns.forms[before:] if form.second.kind == "spot"]
+    assert [form.second for form in listed] == near[:1]

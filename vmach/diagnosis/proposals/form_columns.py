@@ -63,6 +63,7 @@ class FormColumns:
         self._spots = Spots(survey, self._sensed)
         # in the order in which they came; each once
         self._forms = dict.fromkeys([*self._plain(), *self._of_several(), *self._along_axes()])
+        self._formulas = {form.formula for form in self._forms}
 
     def _plain(self) -> Iterator[Form]:
         """Those of one amount."""
@@ -117,9 +118,13 @@ class FormColumns:
         forms = [Form(CONSTANT, *one) for one in found]
         forms += [Form(*one) for one in stretch_states(self._survey, left_mm, self._sensed, tools)]
         for form in forms:
+            # forms are told apart by their words: of places and periods that round alike the first
+            if form.formula in self._formulas:
+                continue
+            self._formulas.add(form.formula)
+            self._forms[form] = None
             if form.second not in self._states:
                 self._states[form.second] = _values(self._survey, form.second)
-        self._forms.update(dict.fromkeys(forms))
 
     @property
     def forms(self) -> list[Form]:
