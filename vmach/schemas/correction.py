@@ -89,7 +89,7 @@ class _NextMeasurement(Output):
     separates: list[str]
     text: str
     program: str | None
-    """File of the test's program."""
+    """File of the test's program; null where none was written, or no test without cutting tells."""
 
 
 class _Weak(Output):

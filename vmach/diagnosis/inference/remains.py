@@ -93,7 +93,7 @@ def remains_um(
         So many of its terms, the first, are shown; what the others do remains.
     """
     others = [] if count is None else _effects_mm(weighing, found)[count:]
-    scatter_um = np.sqrt(_scatter_um2(weighing, found, noise).mean())
+    scatter_um = _scatter_um(weighing, found, noise)
     return float(np.hypot(_rms_um(sum(others, remains_mm(weighing, found))), scatter_um))
 
 
@@ -102,21 +102,22 @@ def where_they_act_um(
 ) -> tuple[Sequence[float], Sequence[float]]:
     """Size of the first effects where they act, and what remains there, root mean squares.
 
-    Each reading weighs as the square of what the effect does to it. Noise is no rest: an
-    imitation leaves structure, and single readings have scatter of their own. Nor is what other
-    terms do; but one that follows the travel is a doubt about an effect that does, where it acts
-    most where the effect does: the mean of such a cause is an effect of motion beside its form.
+    Each reading weighs as the square of what the effect does to it. Scatter is no rest: an
+    imitation leaves structure, and single readings have scatter of their own; but scatter that
+    knows the axes is the machine's. Nor is what other terms do a rest; but one that follows the
+    travel is a doubt about an effect that does, where it acts most where the effect does: the mean
+    of such a cause is an effect of motion beside its form.
     """
     every = [um_from_mm(own) for own in _effects_mm(weighing, found)]
     left, terms = um_from_mm(remains_mm(weighing, found)), found.terms
-    scatter = _scatter_um2(weighing, found, TRUST)
+    uneven = _uneven(weighing, found) * usual_u_um(weighing) ** 2
     sizes, rests = [], []
     for term, own in zip(terms[:count], every, strict=False):
         beside = zip(terms[count:], every[count:], strict=True)
         moved = [o for t, o in beside if t.effect.follows_travel and term.effect.follows_travel]
         alike = [o for o in moved if _rms_where(o, own) > np.sqrt(np.mean(o**2))]
         sizes.append(_rms_where(own, own))
-        rests.append(_rms_where(np.sqrt(sum(alike, left) ** 2 + scatter), own))
+        rests.append(_rms_where(np.sqrt(sum(alike, left) ** 2 + uneven), own))
     return sizes, rests
 
 
@@ -126,11 +127,11 @@ def _rms_where(values: np.ndarray, effect: np.ndarray) -> float:
     return float(np.sqrt(weight @ values**2 / max(float(weight.sum()), 1e-300)))
 
 
-def _scatter_um2(weighing: Weighing, found: Explanation, noise: float) -> np.ndarray:
-    """Mean square of the scatter of each reading that is no noise, (n,)."""
+def _scatter_um(weighing: Weighing, found: Explanation, noise: float) -> float:
+    """Scatter that is no noise, root mean square."""
     beyond = max(found.posterior.sizes.factor**2 - min(noise, TRUST) ** 2, 0.0)
-    uneven = _uneven(weighing, found)
-    return np.maximum(beyond, uneven) * usual_u_um(weighing) ** 2
+    uneven = float(_uneven(weighing, found).mean())
+    return float(np.sqrt(max(beyond, uneven))) * usual_u_um(weighing)
 
 
 def _left_in_u(weighing: Weighing, found: Explanation) -> np.ndarray:
