@@ -145,12 +145,14 @@ def open_job(page, name):
 
 def children_of(pid, word):
     """Processes that a process started whose command has a word in it."""
-    found = []
+    children, found = [], []
     for task in Path(f"/proc/{pid}/task").iterdir():
-        for child in (task / "children").read_text().split():
-            with contextlib.suppress(OSError):
-                if word in Path(f"/proc/{child}/cmdline").read_bytes().decode():
-                    found.append(int(child))
+        with contextlib.suppress(OSError):  # a thread, or a process, may have ended meanwhile
+            children += (task / "children").read_text().split()
+    for child in children:
+        with contextlib.suppress(OSError):
+            if word in Path(f"/proc/{child}/cmdline").read_bytes().decode():
+                found.append(int(child))
     return found
 
 
