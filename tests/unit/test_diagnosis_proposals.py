@@ -194,7 +194,7 @@ def form_of(words, path, job):
     ("words", "said", "is_runnable"),
     [
         ("direction of Y", "if form 1 is true, it shows there by", True),
-        ("feed per tooth in 0.1 mm", "no test without cutting would show", False),
+        ("depth below the top in 10 mm", "no test without cutting would show", False),
     ],
 )
 def test_the_next_measurement_would_refute_the_first_form(pushed_job, words, said, is_runnable):

@@ -95,10 +95,8 @@ def diagnose(
     print(as_text(found, program=program))
     if add_all:
         _add_all(job, found)
-    elif found.verdict in ("named", "class", "partly"):
-        print(f"to add this to the model: vmach add {job} {words_of_add(found)}")
-    if found.proposals:
-        print(f"to write form 1 as an effect: vmach effects propose {job} -o my_effect.py")
+    else:
+        _tell_how_to_go_on(job, found, words_of_add(found))
     if found.next_program is not None and program is None:
         print("--next FILE writes the program of the measurement to do next")
     if next_path is not None:
@@ -153,6 +151,14 @@ def _add_all(job: Path, found: Diagnosis) -> None:
         print("nothing further is shown")
     if rounds.steps:
         print(f"go on from {rounds.job}, or from any job before it")
+
+
+def _tell_how_to_go_on(job: Path, found: Diagnosis, effects: str) -> None:
+    """The commands that add what is shown, and write a form for what is not."""
+    if effects:
+        print(f"to add this to the model: vmach add {job} {effects}")
+    if found.proposals:
+        print(f"to write form 1 as an effect: vmach effects propose {job} -o my_effect.py")
 
 
 def _tell_of_program(path: Path, found: Diagnosis, *, is_named: bool) -> None:

@@ -19,6 +19,7 @@ from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.next_test.planned_program import U_MM, write_program
 from vmach.diagnosis.proposals.form import FormEffect
 from vmach.diagnosis.proposals.proposal import Proposal
+from vmach.diagnosis.proposals.states import CUT
 from vmach.effects import Circumstances
 from vmach.effects.effect import at_contact
 from vmach.fit.terms import Term
@@ -110,7 +111,7 @@ def _for_form(job: Job, proposal: Proposal) -> NextMeasurement:
 
 def _power_of_form(test: PlannedTest, path: Circumstances, proposal: Proposal) -> float:
     """What the test would show of a form, in standard uncertainties."""
-    if proposal.form.needs_surface:
+    if proposal.form.needs_surface or proposal.form.kinds & CUT:
         return 0.0
     effect = FormEffect(proposal.form, len(proposal.amounts_um))
     moved = at_contact(effect.displacement(path, "", **proposal.amounts_um), path)

@@ -14,6 +14,7 @@ from vmach.path.circumstances import Circumstances
 __all__ = [
     "ALL_AXES",
     "CONSTANT",
+    "CUT",
     "DIRECTIONS",
     "HALF_TURNS",
     "MOTION",
@@ -100,6 +101,11 @@ class Direction:
 
 #: kinds of states that say how the axes move
 MOTION = frozenset({"direction", "travel since reversal", "speed", "acceleration"})
+#: kinds of states that nothing has without cutting
+CUT = frozenset({
+    "cutting length", "feed per tooth", "depth", "height above the tip", "chip load",
+    "side of the wall", "direction of the wall",
+})  # fmt: skip
 CONSTANT = State("constant", "", "np.ones(len(path))")
 
 DIRECTIONS = (
