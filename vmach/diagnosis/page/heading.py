@@ -64,13 +64,11 @@ def headline(found: Diagnosis) -> tuple[str, str]:
     if found.verdict == "partly":
         return f"Missing in the model: {names}, and something else", f"{fell}. {remains}."
     if found.verdict == "class":
-        return (
-            f"Missing in the model: {names}",
-            f"{fell}. These readings narrow the cause down to a class; the next measurement "
-            "tells its members apart."
-            if found.next_measurement
-            else f"{fell}. These readings narrow the cause down to a class.",
-        )
+        narrow = "These readings narrow the cause down to a class"
+        if any(finding.status == "shown" for finding in found.findings):
+            narrow = "Of some of these the readings show no more than a class"
+        told = "; the next measurement tells its members apart" if found.next_measurement else ""
+        return f"Missing in the model: {names}", f"{fell}. {narrow}{told}."
     return f"Missing in the model: {names}", f"{fell}. No other known effect comes near."
 
 
