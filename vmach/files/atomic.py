@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
+import stat
 from collections.abc import Collection, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -328,10 +329,12 @@ def _check_file(path: Path, *, results: Path | None = None) -> None:
     _check_writable_folder(path.parent)
     if os.path.islink(path):  # what is left of one that leads to itself
         raise InputError("is a loop of links", file=path, accepted="the name of a file")
-    if not path.exists():
+    try:
+        mode = path.stat().st_mode
+    except (FileNotFoundError, NotADirectoryError):  # or another run has just set it aside
         return
-    if not path.is_file():
-        what = "is a folder" if path.is_dir() else "is a device, not a file"
+    if not stat.S_ISREG(mode):
+        what = "is a folder" if stat.S_ISDIR(mode) else "is a device, not a file"
         raise InputError(what, file=path, accepted="the name of a file for the result")
     if not is_written(path, results=results):
         raise InputError(

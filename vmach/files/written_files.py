@@ -47,7 +47,7 @@ def is_written(path: Path, *, results: Path | None = None) -> bool:
     results : Path, optional
         Folder of results that the file lies in, at whatever depth.
     """
-    if not path.is_file() or not _noted(path, results):
+    if path.is_dir() or not _noted(path, results):
         return False
     try:
         digest = _sum(path)
