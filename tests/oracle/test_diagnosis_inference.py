@@ -179,16 +179,20 @@ def test_a_parameter_beside_other_effects_is_that_of_a_dense_fit(weighing):
         np.testing.assert_allclose(other.more, after[1] - before[1], rtol=1e-4, atol=1e-9)
 
 
-def test_other_effects_widen_an_interval_as_often_as_they_are_there(weighing):
-    """Drawn from both sets: of the draws 95 % lie between the ends."""
-    found = explained(weighing, "backlash X")
-    fit = weighing.careful(found)
+def beside_another(weighing, weight, away):
+    """Fit of a reversal value, its spread alone, and beside an effect that moves it so many u."""
+    fit = weighing.careful(explained(weighing, "backlash X"))
     alone = parameter_uncertainty(fit, 0)["reversal_um"]
     slope = fit.slope(0)[:, list(fit.parameters(0)).index("reversal_um")]
     moved = np.zeros(len(slope))
-    moved[0] = 5.0 * alone.u / slope[0]
-    other = Otherwise(0.25, moved, np.zeros((len(slope),) * 2))
-    both = parameter_uncertainty(fit, 0, [other])["reversal_um"]
+    moved[0] = away * alone.u / slope[0]
+    other = Otherwise(weight, moved, np.zeros((len(slope),) * 2))
+    return fit, alone, parameter_uncertainty(fit, 0, [other])["reversal_um"]
+
+
+def test_other_effects_widen_an_interval_as_often_as_they_are_there(weighing):
+    """Drawn from both sets: of the draws 95 % lie between the ends."""
+    fit, alone, both = beside_another(weighing, 0.25, 5.0)
     random = np.random.default_rng(5)
     centre, sigma = 0.5 * (alone.low + alone.high), 0.5 * (alone.high - alone.low) / norm.ppf(0.975)
     drawn = centre + sigma * random.standard_normal(200_000)
@@ -201,14 +205,7 @@ def test_other_effects_widen_an_interval_as_often_as_they_are_there(weighing):
 
 
 def test_an_improbable_effect_far_away_widens_neither_interval_nor_uncertainty(weighing):
-    found = explained(weighing, "backlash X")
-    fit = weighing.careful(found)
-    alone = parameter_uncertainty(fit, 0)["reversal_um"]
-    slope = fit.slope(0)[:, list(fit.parameters(0)).index("reversal_um")]
-    moved = np.zeros(len(slope))
-    moved[0] = 1000.0 * alone.u / slope[0]
-    other = Otherwise(0.004, moved, np.zeros((len(slope),) * 2))
-    both = parameter_uncertainty(fit, 0, [other])["reversal_um"]
+    _, alone, both = beside_another(weighing, 0.004, 1000.0)
     assert both.high - both.low < 1.1 * (alone.high - alone.low)
     assert both.u < 1.2 * alone.u
 

@@ -35,7 +35,9 @@ def test_a_quote_without_its_partner(tmp_path):
     rows = path.read_text().splitlines()
     rows[4] = rows[4].replace("wall", '"wall').replace(',"wall', ',"wall', 1)
     path.write_text("\n".join(rows) + "\n")
-    with pytest.raises(InputError, match=r"points\.csv:5: no CSV text.*without its partner"):
+    with pytest.raises(
+        InputError, match=r"points\.csv:5: no row of a CSV file.*without its partner"
+    ):
         read_points_csv(path)
 
 

@@ -11,7 +11,15 @@ from pathlib import Path
 
 from vmach.errors import InputError
 
-__all__ = ["as_written", "column_hint", "csv_rows", "decimal_number", "read_bytes", "read_text"]
+__all__ = [
+    "as_written",
+    "column_hint",
+    "csv_rows",
+    "decimal_number",
+    "numbered_csv_rows",
+    "read_bytes",
+    "read_text",
+]
 
 #: a number as instruments and CMMs write it; Python's own reading takes 1_000 and other digits too
 _DECIMAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -105,11 +113,31 @@ def csv_rows(lines: Iterable[str], path: Path) -> Iterator[list[str]]:
     InputError
         A cell of more than 131,072 characters; with the line.
     """
-    reader = csv.reader(lines)
+    return (row for _, row in numbered_csv_rows(lines, path))
+
+
+def numbered_csv_rows(
+    lines: Iterable[str], path: Path, *, strict: bool = False
+) -> Iterator[tuple[int, list[str]]]:
+    """The same with the line that each row ends on.
+
+    Parameters
+    ----------
+    lines : iterable of str
+    path : Path
+        The file, for messages.
+    strict : bool
+        Whether a quotation mark without its partner is refused.
+
+    Raises
+    ------
+    InputError
+    """
+    reader = csv.reader(lines, strict=strict)
     ended = 0
     try:
         for row in reader:
-            yield row
+            yield reader.line_num, row
             ended = reader.line_num
     except csv.Error as error:
         raise InputError(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -14,7 +13,7 @@ import numpy as np
 from vmach.base.note import Kind, Note
 from vmach.base.units import mm_from_um
 from vmach.errors import InputError
-from vmach.files.text_file import column_hint, decimal_number, read_text
+from vmach.files.text_file import column_hint, decimal_number, numbered_csv_rows, read_text
 from vmach.nominal.mesh.unique_rows import unique_rows
 
 __all__ = ["WHEN", "SurfacePoints", "read_points_csv", "when_measured"]
@@ -225,19 +224,7 @@ def _read_rows(path: Path) -> tuple[list[str], list[list[str]], np.ndarray]:
 
 def _numbered_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Every row with the line that it ends on; a quote without its partner begins on another."""
-    reader = csv.reader(io.StringIO(read_text(path, what="points file")), strict=True)
-    ended = 0
-    try:
-        for row in reader:
-            yield reader.line_num, row
-            ended = reader.line_num
-    except csv.Error as error:
-        raise InputError(
-            f"no CSV text: {error}",
-            file=path,
-            line=ended + 1,
-            hint="look for a quotation mark without its partner",
-        ) from None
+    return numbered_csv_rows(io.StringIO(read_text(path, what="points file")), path, strict=True)
 
 
 class _Table:
