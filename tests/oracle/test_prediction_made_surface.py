@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests.small_job import write_job
+from vmach.diagnosis.inference import own_contacts
 from vmach.diagnosis.inference.own_contacts import chosen_by_one, over, over_own_contacts
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.rules import CLEARLY
@@ -106,6 +107,18 @@ def test_an_explanation_is_weighed_over_the_surface_that_it_leaves(job):
     assert other is not weighing
     assert again.score > found.score + CLEARLY
     assert again.fit.parameters(0)["play_um"] == pytest.approx(10.0, abs=0.6)
+
+
+def test_an_effect_that_its_own_contacts_do_not_show_is_left_out(job, monkeypatch):
+    survey = survey_job(job(10.0, NOISE_UM))
+    weighing = prepare_weighing(survey, [catalogue()["lateral_play"]])
+    found = weighing.extend(weighing.nothing(), weighing.index_of("lateral_play XZ"))
+    # as where a play that lifts the tool leaves the floor to another pass everywhere
+    others = [c for c in weighing.candidates if c.label not in found.labels]
+    monkeypatch.setattr(own_contacts, "gather_candidates", lambda *_: (others, []))
+    other, again = over_own_contacts(weighing, found)
+    assert other is not weighing
+    assert not again.labels
 
 
 def test_contacts_stay_where_a_small_effect_changes_nothing(job):

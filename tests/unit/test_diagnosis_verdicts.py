@@ -341,6 +341,13 @@ def test_effects_of_a_set_that_explains_as_much_belong_to_the_class():
     assert in_other_sets(weighing, "a") == []
 
 
+def test_what_stands_idly_beside_a_rival_is_none():
+    scores = {"ab": -10.0, "ac": -10.1, "acd": -11.0, "aef": -12.0}
+    weighing = SimpleNamespace(tried={frozenset(labels): s for labels, s in scores.items()})
+    assert in_other_sets(weighing, "b") == ["c", "e", "f"]
+    assert in_other_sets(weighing, "b", alone=["f"]) == ["c"]
+
+
 def test_effects_that_come_near_each_other_are_counted_together():
     gains = np.array([3.0, 3.0, 2.0, 9.0])
     candidates = [SimpleNamespace(label=n, effect=n, target="") for n in "abcd"]

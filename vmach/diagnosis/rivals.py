@@ -49,7 +49,8 @@ def rivals_of(weighing: Weighing, explanation: Explanation, k: int) -> Rivals:
         and not _needs_impossible_size(weighing, others, i)
     ]
     labels = [weighing.candidates[i].label for i in near]
-    labels += [label for label in in_other_sets(weighing, own.label) if label not in labels]
+    beside = in_other_sets(weighing, own.label, alone=labels)
+    labels += [label for label in beside if label not in labels]
     if own.label not in labels:
         labels.insert(0, own.label)
     names = list(dict.fromkeys(label.split()[0] for label in labels))
@@ -67,13 +68,20 @@ def credible(gains: np.ndarray) -> np.ndarray:
     return order[before < 1.0 - np.exp(-CLEARLY)]
 
 
-def in_other_sets(weighing: Weighing, label: str) -> list[str]:
-    """Effects in the place of one, in sets that are nearly as probable as the best."""
+def in_other_sets(weighing: Weighing, label: str, *, alone: Sequence[str] = ()) -> list[str]:
+    """Effects in the place of one, in sets that are nearly as probable as the best.
+
+    What stands there beside effects that can do so without it, as those that can `alone`, does
+    nothing in its place.
+    """
     tried = weighing.tried
     best = max(tried, key=lambda labels: tried[labels], default=frozenset())
     sets = [best, *(labels for labels in tried if best - labels == {label})]
     near = credible(np.array([tried.get(labels, 0.0) for labels in sets]))
-    return sorted({other for k in near for other in sets[k] - best})
+    instead = [sets[k] - best for k in near if sets[k] != best]
+    fewer = [*instead, *(frozenset({one}) for one in alone)]
+    least = (labels for labels in instead if not any(one < labels for one in fewer))
+    return sorted({other for labels in least for other in labels})
 
 
 def _needs_impossible_size(weighing: Weighing, others: Explanation, i: int) -> bool:

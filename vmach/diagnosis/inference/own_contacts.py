@@ -54,7 +54,10 @@ def over_own_contacts(weighing: Weighing, found: Explanation) -> tuple[Weighing,
     weighing.release()
     other.release()
     other = other.with_candidates(gather_candidates(moved, effects)[0])
-    return other, other.explain(found.terms, found.posterior.sizes)
+    # an effect may choose contacts that show nothing of it
+    shown = {candidate.label for candidate in other.candidates}
+    terms = [term for term in found.terms if term.label in shown]
+    return other, other.explain(terms, found.posterior.sizes)
 
 
 def chosen_by_one(weighing: Weighing) -> tuple[str, Survey] | None:
