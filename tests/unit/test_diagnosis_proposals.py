@@ -249,3 +249,15 @@ def test_of_forms_that_round_alike_the_first_is_listed(pushed_job, monkeypatch):
         columns.add_conspicuous(np.full(360, float(id(state))), np.zeros(360))
     listed = [form for form in columns.forms[before:] if form.second.kind == "spot"]
     assert [form.second for form in listed] == near[:1]
+
+
+@pytest.mark.parametrize(("gains", "told"), [((30.0, 29.0), "plain"), ((30.0, 20.0), "product")])
+def test_of_forms_that_cannot_be_told_apart_the_simplest_is_tried(pushed_job, gains, told):
+    weighing = prepare_weighing(survey_job(pushed_job))
+    forms = Forms(weighing, weighing.nothing())
+    listed = {form.formula: form for form in forms._columns.forms}
+    either = {
+        "product": listed["direction of X x warm-up within 75 s, along Y"],
+        "plain": listed["direction of X, along Y"],
+    }
+    assert forms._most_probable([*either.values()], np.array(gains), 6) == [either[told]]

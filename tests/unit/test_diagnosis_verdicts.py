@@ -22,11 +22,12 @@ from vmach.diagnosis.inference.noise import noise_before
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.remains import remains_um, where_they_act_um
 from vmach.diagnosis.inference.support import Support, in_its_place
+from vmach.diagnosis.inference.verdicts import Reason, Weak
 from vmach.diagnosis.next_test.planned_program import write_program
 from vmach.diagnosis.report import as_json, as_text
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.diagnosis.rivals import Rivals, credible, in_other_sets, rivals_of
-from vmach.diagnosis.words import with_unit
+from vmach.diagnosis.words import weak_words, with_unit
 from vmach.effects import catalogue
 from vmach.errors import InputError
 from vmach.fit.survey import Survey
@@ -554,3 +555,16 @@ def test_a_curve_that_a_part_alone_shows_has_no_level():
     ))  # fmt: skip
     assert "where: X -500 .. -400 mm\n    up to a level and a slope" in said
     assert "error table EZX (straightness of X in Z)" in said
+
+
+@pytest.mark.parametrize(
+    ("support", "said"),
+    [
+        (Support(3.96, 3.8, 0.0), "log odds 4.0, less than 4.6"),
+        # a rest of half its size is even odds, one of its size 1 to 4
+        (Support(11.3, 1.0, 1.0), "log odds 11.3, but to 80 % an imitation of something else"),
+    ],
+)
+def test_a_weak_effect_comes_with_the_number_that_decides(support, said):
+    assert weak_words(Weak(None, support, Reason.DOUBTFUL)) == said
+    assert weak_words(Weak(None, support, Reason.REPLACED)) == str(Reason.REPLACED)

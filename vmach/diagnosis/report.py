@@ -13,7 +13,7 @@ from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.inference.verdicts import Weak
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.residuals.where_it_fails import Failure
-from vmach.diagnosis.words import RELATIVE, describe, expected, rounded, title_of
+from vmach.diagnosis.words import RELATIVE, describe, expected, rounded, title_of, weak_words
 from vmach.effects.declaration import unit_of
 from vmach.files.atomic import atomic_file
 
@@ -23,7 +23,7 @@ _VERDICTS = {
     "named": "The model lacks:",
     "class": "The model lacks something that these measurements narrow down to a class:",
     "partly": "The model lacks this, and something else remains:",
-    "unknown": "Something real is left that no known effect explains:",
+    "unknown": "Something real is left that no known effect clearly explains:",
     "nothing": "The measurements agree with the model: nothing is missing that they could show.",
 }
 
@@ -134,7 +134,7 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
         )
         lines.append(f"    to refute it: {p.form.refute}")
     lines += [
-        f"  weak: {weak.term.label}: {weak.why}; not counted as present" for weak in found.weak
+        f"  weak: {w.term.label}: {weak_words(w)}; not counted as present" for w in found.weak
     ]
     states = found.residuals.states
     fell = ", ".join(f"{rms[state]:.2f} um {state}" for state in states)

@@ -6,6 +6,8 @@ import math
 
 import numpy as np
 
+from vmach.diagnosis.inference.rules import CLEARLY
+from vmach.diagnosis.inference.verdicts import Reason, Weak
 from vmach.diagnosis.residuals import Residuals
 from vmach.effects import Effect
 from vmach.machine import LINEAR_AXES
@@ -17,6 +19,7 @@ __all__ = [
     "expected",
     "rounded",
     "title_of",
+    "weak_words",
     "where_component",
     "with_unit",
 ]
@@ -58,6 +61,17 @@ def _component(name: str) -> str:
     if direction == axis:
         return f"positioning of {LINEAR_AXES[axis]}"
     return f"straightness of {LINEAR_AXES[axis]} in {LINEAR_AXES[direction]}"
+
+
+def weak_words(weak: Weak) -> str:
+    """Why an effect that the readings speak for is not shown, with the number that decides."""
+    support = weak.support
+    if weak.why is not Reason.DOUBTFUL:
+        return str(weak.why)
+    if support.odds < CLEARLY:
+        return f"log odds {max(support.odds, 0.0):.1f}, less than {CLEARLY:g}"
+    imitation = 100.0 * (1.0 - support.probability)
+    return f"log odds {support.odds:.1f}, but to {imitation:.0f} % an imitation of something else"
 
 
 def with_unit(parameter: str, value: float) -> str:

@@ -74,8 +74,7 @@ def chosen_by_one(weighing: Weighing) -> tuple[str, Survey] | None:
         if candidate.effect.follows_travel and _moves_floors(weighing.survey, candidate)
         for moved in _made_beside_usual(weighing.survey, candidate)
     )
-    none = 0.0, "", weighing.survey
-    gain, label, moved = max(trials, key=lambda trial: trial[0], default=none)
+    gain, label, moved = max(trials, key=lambda t: t[0], default=(0.0, "", weighing.survey))
     return (label, moved) if gain >= CLEARLY else None
 
 

@@ -119,8 +119,7 @@ def infer(weighing: Weighing) -> Inference:
     told, supports, weak = judged(among, beside, stay)
     shown = told.terms[: len(told.terms) - stay]
     alone = weighing.explain(shown, found.posterior.sizes, refine=False)
-    noise = grown.posterior.sizes.factor
-    remains = remains_um(among, told, noise=noise, count=len(shown))
+    remains = remains_um(among, told, noise=grown.posterior.sizes.factor, count=len(shown))
     structure = is_structure(weighing, remains) or stay > 0
     return Inference(
         weighing,
@@ -263,8 +262,7 @@ def judged(
     found = weighing.without(found, [k for k, t in enumerate(found.terms) if t in unsure])
     found, sure = _one_of(weighing, found, unsure, supports, stay)
     supports |= sure
-    named = [(term, supports[term.label]) for term in unsure if term.label not in sure]
-    weak += [Weak(term, support, Reason.DOUBTFUL) for term, support in named]
+    weak += [Weak(t, supports[t.label], Reason.DOUBTFUL) for t in unsure if t.label not in sure]
     return found, supports, tuple(weak)
 
 

@@ -56,7 +56,7 @@ def headline(found: Diagnosis) -> tuple[str, str]:
         )
     if found.verdict == "unknown":
         return (
-            "Something real is left that no known effect explains",
+            "Something real is left that no known effect clearly explains",
             f"Measured minus predicted is {rms['before']:.2f} um RMS, {expected(found.residuals)} "
             f"make {rms['expected_noise']:.2f} um. No name is given: {remains}.",
         )

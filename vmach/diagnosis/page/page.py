@@ -18,7 +18,7 @@ from vmach.diagnosis.page.heading import chance_words, headline, quantity, state
 from vmach.diagnosis.page.instrument_pictures import instrument_pictures
 from vmach.diagnosis.page.residual_map import ResidualMap, residual_map
 from vmach.diagnosis.report import words_of_add
-from vmach.diagnosis.words import RELATIVE, expected, title_of
+from vmach.diagnosis.words import RELATIVE, expected, title_of, weak_words
 from vmach.files.atomic import atomic_file
 from vmach.job import Job
 from vmach.nominal import Mesh
@@ -89,6 +89,7 @@ def write_diagnosis_page(
         states=state_words(found),
         relative=RELATIVE,
         add=words_of_add(found),
+        weak_words=weak_words,
         job_file=job.path.name,
         map=None if part is None else _map_view(part, nominal is not None),
         panels=covariate_panels(residuals),

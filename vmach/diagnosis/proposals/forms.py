@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -289,16 +289,29 @@ class Forms:
                 gain += (bank.evidence(view).log_factor[:, 0] - price).tolist()
         chosen: list[Form] = []
         for gain in gains:
-            taken: list[np.ndarray] = []
-            # of forms that these readings cannot tell apart the first that is listed
-            for k in np.argsort(-np.round(gain, _TIE), kind="stable"):
-                if gain[k] < CLEARLY or len(taken) == most:
-                    break
-                space = self._columns.space_of(forms[k])
-                if all(share_within(space, other) < _SAME for other in taken):
-                    taken.append(space)
-                    chosen += [forms[k]] if forms[k] not in chosen else []
+            taken = self._most_probable(forms, np.round(gain, _TIE), most)
+            chosen += [form for form in taken if form not in chosen]
         return [form for form in chosen if _label(form) not in views[0].labels]
+
+    def _most_probable(self, forms: Sequence[Form], gain: np.ndarray, most: int) -> list[Form]:
+        """So many at most, of those that these readings cannot tell apart the simplest.
+
+        Of several that are as simple the most probable, then the first that is listed.
+        """
+        taken: list[_Alike] = []
+        for k in np.argsort(-gain, kind="stable"):
+            if gain[k] < CLEARLY:
+                break
+            form, span = forms[k], self._columns.space_of(forms[k])
+            one = _Alike(form, span, float(gain[k]), (span.shape[1], len(form.state_words)))
+            same = next((j for j, other in enumerate(taken) if one.is_within(other)), None)
+            if same is not None:
+                taken[same] = taken[same].or_simpler(one)
+            elif len(taken) == most:
+                break
+            else:
+                taken.append(one)
+        return [alike.simplest for alike in taken]
 
     def _weighed(self) -> Iterator[tuple[list[Form], Bank]]:
         """Forms with their products, kept for the next time where there is room for them."""
@@ -312,6 +325,36 @@ class Forms:
                 self._banks.append(weighed)
                 self._listed += len(new)
             yield weighed
+
+
+@dataclass(frozen=True)
+class _Alike:
+    """Forms that readings cannot tell apart: the simplest, and the first one's span and gain.
+
+    Attributes
+    ----------
+    simplest : Form
+    span : (n, K) float64
+    gain : float
+    complexity : (int, int)
+        Of the simplest: amounts, then states that it depends on.
+    """
+
+    simplest: Form
+    span: np.ndarray
+    gain: float
+    complexity: tuple[int, int]
+
+    def is_within(self, other: _Alike) -> bool:
+        """Whether it does nothing that others do not."""
+        return share_within(self.span, other.span) >= _SAME
+
+    def or_simpler(self, one: _Alike) -> _Alike:
+        """With one more, unless that is clearly less probable."""
+        is_as_probable = one.gain > self.gain - CLEARLY
+        if is_as_probable and one.complexity < self.complexity:
+            return replace(self, simplest=one.simplest, complexity=one.complexity)
+        return self
 
 
 def _proposal(weighing: Weighing, form: Form, start: Explanation, trial: Explanation) -> Proposal:

@@ -12,7 +12,7 @@ const VERDICTS = {
   named: "The model lacks this",
   class: "These readings narrow it down to a class",
   partly: "The model lacks this, and something else remains",
-  unknown: "Something real is left that no known effect explains",
+  unknown: "Something real is left that no known effect clearly explains",
   nothing: "The measurements agree with the model",
 };
 const state = { measured: null, trouble: null, isWhole: false };
