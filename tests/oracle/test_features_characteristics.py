@@ -188,6 +188,11 @@ REFUSED = [
     ("left", "distance 30 ±0.1 to top", "are not parallel"),
     ("bore 1", "35 Q7", "tolerance class 'Q7'; accepted: a letter from A to H"),
     ("bore 1", "20 +0.1 +0.1", "both limits are 0.1 mm"),
+    # of a single limit the last digits of the nominal size were taken for the other one
+    ("bore 1", "20.05 +0.02", "tolerance '20.05 [+]0.02'; accepted: '35 H7'"),
+    ("bore 1", "20 +0,05", "accepted: '35 H7'.*hint: decimals follow a point"),
+    ("bore 1", "20 ±0,02", "hint: decimals follow a point"),
+    ("bore 1", "roundness 0,01", "a value above 0 .hint: decimals follow a point"),
     ("bore 1", "roundish 0.1", "tolerance 'roundish 0.1'; accepted: '35 H7'"),
     ("bore 1", "position Ø0.1 a", "'a' is no datum; accepted: capital letters"),
     ("bore 1", "position Ø0.1M A", "'M' is no datum.*maximum material"),
