@@ -84,6 +84,62 @@ def test_target_and_actual_in_the_order_of_the_motion(tmp_path):
     assert rows(one.files["errors/EZZ.csv"])[1:] == [["0", "1", "3"], ["100", "2", "4"]]
 
 
+@pytest.mark.parametrize(
+    ("error", "unit", "said"),
+    [
+        ("EXX", "arcsec", "EXX is a displacement, and the column of deviation is in arcsec"),
+        ("EYX", "um/m", "EYX is a displacement, and the column of deviation is in um/m"),
+        ("EBX", "um", "EBX is a rotation, and the column of deviation is in um"),
+    ],
+)
+def test_a_length_is_no_angle(error, unit, said, tmp_path):
+    """1 arcsec was taken for 4.85 um, and 1 um for 1 urad."""
+    text = f"Position (mm);Deviation ({unit})\n0;0,1\n100;0,5\n"
+    with pytest.raises(InputError, match=said):
+        imported(tmp_path, "x.csv", text, error=error)
+    with pytest.raises(InputError, match=said):
+        imported(tmp_path, "y.csv", text.replace(f" ({unit})", ""), error=error, unit=unit)
+
+
+def test_positions_that_were_reached_are_no_straightness(tmp_path):
+    text = "Target (mm),Actual (mm)\n0,0.001\n100,100.002\n"
+    with pytest.raises(InputError, match="positions that were reached say nothing of EYX"):
+        imported(tmp_path, "x.csv", text, error="EYX")
+
+
+def test_separators_of_thousands_are_no_decimal_commas(tmp_path):
+    """A spreadsheet in English writes 1000 mm so: it was taken for 1 mm."""
+    text = 'Position (mm),Deviation (um)\n0,0.0\n500,2.5\n"1,000",4.0\n'
+    with pytest.raises(InputError, match=r"x.csv:4: '1,000' has a comma, '0.0' a point"):
+        imported(tmp_path, "x.csv", text, error="EXX")
+
+
+@pytest.mark.parametrize(
+    ("heading", "said"),
+    [
+        ("Position (mm);Deviation (um);Deviation (um)", "columns 2 and 3"),
+        ("Position (mm);Forward (um);Forward (um)", "may both be forward"),
+        ("Pos;Target (mm);Deviation (um)", "'Pos' and 'Target .mm.', may both be position"),
+    ],
+)
+def test_no_column_is_left_out_in_silence(heading, said, tmp_path):
+    text = f"{heading}\n0;1;2\n100;3;4\n"
+    with pytest.raises(InputError, match=said):
+        imported(tmp_path, "x.csv", text, error="EXX")
+    columns = {"position": "Target (mm)"}
+    if "Pos;" in heading:
+        one = imported(tmp_path, "x.csv", text, columns=columns, error="EXX")
+        assert [row[0] for row in rows(one.files["errors/EXX.csv"])[1:]] == ["1", "3"]
+
+
+def test_a_report_in_inches_whose_headings_name_no_unit(tmp_path):
+    text = "x,y,z,mx,my,mz,i,j,k\n1,2,0,1.0001,2,0.0002,0,0,1\n"
+    one = imported(tmp_path, "p.csv", text, unit="inch")
+    assert rows(one.files["p_points.csv"])[1][2:] == [
+        "25.4", "50.8", "0", "0", "0", "1", "25.40254", "50.8", "0.00508",
+    ]  # fmt: skip
+
+
 def test_names_of_columns_as_told(tmp_path):
     text = "A;B\n0;1,5\n50;2,5\n"
     given = {"error": "EXX", "unit": "um"}
@@ -567,7 +623,8 @@ def test_the_place_of_the_reflector_is_asked(answer, is_there, tmp_path):
     assert sum("where did the reflector stand" in text for text in asked) == 1
     assert ("measured_at_mm" in one.sections[0].values) is is_there
     assert any("is not said" in text for text in one.told) is not is_there
-    import_files([tmp_path / "x.csv"], Questions({"error": "EBX"}, ask))
+    (tmp_path / "b.csv").write_text(LASER.replace("(µm)", "(arcsec)"))
+    import_files([tmp_path / "b.csv"], Questions({"error": "EBX"}, ask))
     assert sum("where did the reflector stand" in text for text in asked) == 1
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -29,6 +29,8 @@ LASER_KEYS: Mapping[str, str] = {
 
 #: of a reflector whose place nobody knows any more
 _UNKNOWN = "unknown"
+#: so many readings of exactly 0, and no other, were not measured
+_NOT_MEASURED = 3
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,7 @@ def table_imported(
         default=0.0,
     )
     own = _with_reflector(name, questions)
+    readings, left_out = _without_zeros(readings)
     runs, is_down = _runs(readings, source), counts == "down"
     convention = Convention.of(questions.machine_file)
     file = f"errors/{name}.csv"
@@ -100,7 +103,21 @@ def table_imported(
     )
     said = f"{source.path.name}: {len(readings.value)} readings at {len(runs.position_mm)} "
     said += f"positions, {len(runs.forward)} runs forward, {len(runs.backward)} backward"
-    return Imported(files, sections, (said, check, *_missing_place(name, own)))
+    return Imported(files, sections, (said, *left_out, check, *_missing_place(name, own)))
+
+
+def _without_zeros(readings: Readings) -> tuple[Readings, tuple[str, ...]]:
+    """Readings without a direction that was filled with zeros, and a line that says so.
+
+    Files of runs in one direction have such runs between the measured ones.
+    """
+    for way, name in ((1.0, "forward"), (-1.0, "backward")):
+        mine = readings.approach == way
+        count, other = np.count_nonzero(mine), readings.value[~mine]
+        if count >= _NOT_MEASURED and not readings.value[mine].any() and other.any():
+            kept = Readings(*(getattr(readings, f.name)[~mine] for f in fields(readings)))
+            return kept, (f"all {count} readings {name} are 0: taken as not measured",)
+    return readings, ()
 
 
 def _with_reflector(name: str, questions: Questions) -> Questions:

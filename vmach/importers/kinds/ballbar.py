@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from vmach.importers.importer import Imported, Importer, Section
-from vmach.importers.loose_table import ANGLE, SMALL, SPEED, TIME, Column, LooseTable
+from vmach.importers.loose_table import ANGLE, SMALL_LENGTH, SPEED, TIME, Column, LooseTable
 from vmach.importers.questions import Questions
 from vmach.importers.source_file import SourceFile
 from vmach.instruments.kinds.ballbar import Ballbar
@@ -92,7 +92,7 @@ class BallbarReadings(Importer):
 
 
 def _table(source: SourceFile, questions: Questions) -> LooseTable | None:
-    radius = Column("radius", _RADIUS, SMALL, questions.unit())
+    radius = Column("radius", _RADIUS, SMALL_LENGTH, questions.unit())
     columns = (_ANGLE, radius, _RUN, _FEED, _TIME)
     return LooseTable.find(source, columns, given=questions.columns)
 

@@ -4,10 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from vmach.importers.component_table import component_question
+from vmach.importers.component_table import component_question, unit_of
 from vmach.importers.importer import Imported, Importer
 from vmach.importers.laser_runs import LASER_KEYS, Readings, approach_in_order, table_imported
-from vmach.importers.loose_table import LENGTH, SMALL, Column, LooseTable
+from vmach.importers.loose_table import (
+    LENGTH,
+    SMALL,
+    SMALL_ANGLE,
+    SMALL_LENGTH,
+    Column,
+    LooseTable,
+)
 from vmach.importers.questions import Questions
 from vmach.importers.source_file import SourceFile
 
@@ -106,6 +113,7 @@ class LaserRuns(Importer):
                 hint="--column position=... and --column deviation=... name other headings",
             )
         name = component_question(source, questions)
+        _check_dimension(table, name)
         readings = _readings(table, questions)
         return table_imported(readings, name, source, questions)
 
@@ -120,6 +128,26 @@ def _table(source: SourceFile, questions: Questions) -> LooseTable | None:
     found = LooseTable.find(source, _side_by_side(unit), given=given)
     wide = found is not None and any(name != "position" for name in found.numbers)
     return found if wide else None
+
+
+def _check_dimension(table: LooseTable, name: str) -> None:
+    """Refuse angles for a displacement, lengths for a rotation, and positions for neither."""
+    own = SMALL_LENGTH if unit_of(name) == "um" else SMALL_ANGLE
+    for column, unit in table.units.items():
+        if column != "position" and unit not in own:
+            raise table.source.error(
+                f"{name} is a {'displacement' if own is SMALL_LENGTH else 'rotation'}, and the "
+                f"column of {column} is in {unit}",
+                line=table.header_line,
+                accepted=", ".join(own),
+                hint="--error says which error the file holds",
+            )
+    if "actual" in table.numbers and name[1] != name[2]:
+        raise table.source.error(
+            f"positions that were reached say nothing of {name}",
+            line=table.header_line,
+            accepted="EXX, EYY or EZZ, or a column of deviations",
+        )
 
 
 def _readings(table: LooseTable, questions: Questions) -> Readings:
