@@ -101,7 +101,8 @@ def _table_figures(axis: EvaluatedTable, budget: Budget) -> dict[str, Any]:
         name: None if value is None else round(value * axis.factor, 4)
         for name, value in result.figures().items()
     }
-    runs = min(len(result.runs.forward), len(result.runs.backward))
+    sides = (result.runs.forward, result.runs.backward)
+    runs = min(int(np.isfinite(side).sum(axis=0).min()) for side in sides)
     notes = list(_notes(axis, runs))
     entry: dict[str, Any] = {
         "unit": axis.unit, "runs": runs, "targets": len(result.runs.position_mm),
@@ -118,15 +119,15 @@ def _notes(axis: EvaluatedTable, runs: int) -> Iterator[Note]:
     if axis.result.A is None:
         said = "means only: A and R need at least two runs in either direction"
         yield Note.plain(Kind.RUNS, said, runs, "1", place=axis.name)
-        if axis.result.B == 0.0:
-            said = "the same values for both directions: B says nothing"
-            yield Note.plain(Kind.DIRECTION, said, 0.0, axis.unit, place=axis.name)
     elif runs < 5:
         said = f"{runs} runs; the standard asks for five"
         yield Note.plain(Kind.RUNS, said, runs, "1", place=axis.name)
+    if axis.result.B == 0.0:
+        said = "the same values for both directions: B says nothing, the rest is of one direction"
+        yield Note.plain(Kind.DIRECTION, said, 0.0, axis.unit, place=axis.name)
     targets = len(axis.result.runs.position_mm)
-    if axis.length_mm <= 2000.0 and targets < 5 * axis.length_mm / 1000.0:
-        said = f"{targets} targets; the standard asks for at least five a metre"
+    if axis.length_mm <= 2000.0 and targets < max(5, 5 * axis.length_mm / 1000.0):
+        said = f"{targets} targets; the standard asks for at least five, and five a metre"
         yield Note.plain(Kind.TARGETS, said, targets, "1", place=axis.name)
     if not axis.is_positioning:
         said = "no uncertainty is stated: the budget covers positioning only"
