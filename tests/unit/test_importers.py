@@ -236,6 +236,29 @@ def test_a_ballbar_is_predicted_on_the_machine_of_the_job(tmp_path):
         assert said in line
 
 
+@pytest.mark.parametrize("digits", [1, 0], ids=["tenths", "whole degrees"])
+def test_two_circles_are_two_runs_however_angles_are_rounded(digits, tmp_path):
+    """Up to 360 degrees and back: 901 readings each way, every 0.4 degrees."""
+    up = np.arange(901) * 0.4
+    angle = np.round(np.concatenate([up, up[::-1]]), digits)
+    text = "Angle (deg),Deviation (um)\n" + "\n".join(f"{a:.{digits}f},0.1" for a in angle)
+    answers = {"centre": "0 0 0", "radius": "150", "tool_length": "100", "feed": "1000"}
+    one = imported(tmp_path, "c.csv", text, **answers)
+    found = [row[0] for row in rows(one.files["c_ballbar.csv"])[1:]]
+    assert set(found) == {"CCW1", "CW1"} and found == sorted(found)
+    # which of the readings at the turn were still on the way up, rounding does not tell
+    assert abs(found.count("CW1") - 901) <= (0 if digits else 1)
+
+
+def test_positions_as_a_display_shows_them_are_one_target(tmp_path):
+    """ISO 230-2: each target from both sides; the last digits make neither targets nor turns."""
+    text = "Position (mm),Deviation (um)\n0.0001,1\n99.9998,2\n200,3\n200.0003,4\n100.0002,5\n0,6\n"
+    one = imported(tmp_path, "x.csv", text, error="EXX")
+    table = rows(one.files["errors/EXX.csv"])
+    assert [row[1:] for row in table[1:]] == [["1", "6"], ["2", "5"], ["3", "4"]]
+    assert [float(row[0]) for row in table[1:]] == pytest.approx([0, 100, 200], abs=3e-4)
+
+
 @pytest.mark.parametrize("name", [one.name for one in FORMATS.values() if one.errors])
 def test_tables_of_controls_come_back(name, tmp_path):
     """What the control would take back is what the imported machine gets wrong."""

@@ -29,6 +29,8 @@ LASER_KEYS: Mapping[str, str] = {
 
 #: of a reflector whose place nobody knows any more
 _UNKNOWN = "unknown"
+#: nearer positions are one target, as error tables have it
+_SAME_MM = 1e-3
 #: so many readings of exactly 0, and no other, were not measured
 _NOT_MEASURED = 3
 
@@ -145,9 +147,19 @@ def _missing_place(name: str, questions: Questions) -> tuple[str, ...]:
     )
 
 
+def _targets(position: np.ndarray) -> np.ndarray:
+    """Positions (P,), those that are the same but for the last digits of a display made equal."""
+    order = np.argsort(position)
+    group = np.concatenate([[0], np.cumsum(np.diff(position[order]) >= _SAME_MM)])
+    middle = np.bincount(group, position[order]) / np.bincount(group)
+    same = np.empty(len(position))
+    same[order] = np.round(middle, 4)[group]
+    return same
+
+
 def approach_in_order(position: np.ndarray) -> np.ndarray:
     """Signs of the motion into each position, (P,), from the order of the positions."""
-    moved = np.sign(np.diff(position))
+    moved = np.sign(np.diff(_targets(position)))
     sides = np.empty(len(position))
     sides[0] = moved[moved != 0][0] if moved.any() else 1.0
     for k, way in enumerate(moved, 1):
@@ -158,7 +170,7 @@ def approach_in_order(position: np.ndarray) -> np.ndarray:
 
 def _runs(readings: Readings, source: SourceFile) -> Runs:
     """The n-th reading of a position from one side belongs to the n-th run."""
-    target, place = np.unique(np.round(readings.position, 4), return_inverse=True)
+    target, place = np.unique(_targets(readings.position), return_inverse=True)
     if len(target) < 2:
         raise source.error(f"{len(target)} position", accepted="two or more positions")
     sides: Mapping[float, list[np.ndarray]] = {1.0: [], -1.0: []}

@@ -102,6 +102,10 @@ def _runs(table: LooseTable, angle: np.ndarray) -> list[str]:
     if "run" in table.text:
         return [word.replace(",", " ") for word in table.text["run"]]
     turn = np.sign((np.diff(angle) + 180.0) % 360.0 - 180.0)
+    # an angle that stands still, where circles meet or digits are few, goes on as what follows
+    goes = np.flatnonzero(turn)
+    if len(goes):
+        turn = turn[goes[np.minimum(np.searchsorted(goes, np.arange(len(turn))), len(goes) - 1)]]
     senses = np.concatenate([turn[:1], turn]) if len(turn) else np.ones(1)
     number = np.concatenate([[0], np.cumsum(senses[1:] != senses[:-1])])
     return [f"{'CCW' if senses[k] > 0 else 'CW'}{number[k] // 2 + 1}" for k in range(len(angle))]
