@@ -236,6 +236,31 @@ def test_a_ballbar_is_predicted_on_the_machine_of_the_job(tmp_path):
         assert said in line
 
 
+def test_a_point_of_qif_that_is_not_compensated_is_the_centre_of_a_ball(tmp_path):
+    """Numbers of QIF_PTS_SAMPLE of the QIF community: its own characteristic has -0.086196 mm."""
+    text = next(sample for sample in SAMPLES if sample.kind == "qif").text
+    at = "-51.726518705386 54.198959479609 -1.276811288879"
+    for old, new in (
+        ("0.0254", "0.001"),
+        ("<Location>1 2 0</Location><Normal>0 0 1</Normal>",
+         "<Location>-50.175094015692 54.198959479609 -3.125725044257</Location>"
+         "<Normal>-0.642788056925063 0 0.766044067841075</Normal>"),
+        ("1.0 2.0 0.001", at),
+        ("</MeasuredFeatures>",
+         '</MeasuredFeatures><MeasuredPointSets n="1"><MeasuredPointSet id="10" '
+         f'count="1"><Points>\n{at}\n</Points><Compensated>false</Compensated>'
+         "<ProbeRadius>2.49978271104</ProbeRadius></MeasuredPointSet></MeasuredPointSets>"),
+    ):  # fmt: skip
+        assert old in text
+        text = text.replace(old, new)
+    for told, mm in (("false", -0.086196), ("true", 2.413587)):
+        one = imported(tmp_path, "part.qif", text.replace(">false<", f">{told}<"))
+        row = [float(cell) for cell in rows(one.files["part_points.csv"])[1][2:]]
+        apart = np.dot(np.subtract(row[6:9], row[:3]), row[3:6])
+        assert apart == pytest.approx(mm, abs=1e-6)
+        assert any("probe's ball" in line for line in one.told) is (told == "false")
+
+
 @pytest.mark.parametrize("digits", [1, 0], ids=["tenths", "whole degrees"])
 def test_two_circles_are_two_runs_however_angles_are_rounded(digits, tmp_path):
     """Up to 360 degrees and back: 901 readings each way, every 0.4 degrees."""
