@@ -7,7 +7,10 @@ import pytest
 
 from tests.feature_part import FACES, NOMINAL, NORMAL, ROWS, measures, moved, part, values
 from vmach.errors import InputError
-from vmach.features.feature import Points
+from vmach.features.drawing.callout import read_callout
+from vmach.features.evaluation import Drawing, Requirement, evaluate
+from vmach.features.feature import Points, make_feature
+from vmach.features.surface import Surface
 
 #: of values that are exact but for the second order of deviations
 MM = 2e-6
@@ -215,3 +218,23 @@ def test_a_feature_that_no_tool_made_is_refused():
     bare = Points(points.nominal_mm, points.normal, points.deviation_mm, cut)
     with pytest.raises(InputError, match="no point of feature 'bore 1' was cut or measured"):
         values(bare, "bore 1", "roundness 0.1")
+
+
+@pytest.mark.parametrize("lean", [0.0, 1e-4, 3e-4])
+def test_a_leaning_bore_keeps_its_sections(lean):
+    """100 mm at the bottom, 100.04 at the top, 24 points a section: leaning changes no diameter.
+
+    Closed form: a section across the leaning axis is wider by half the square of the lean.
+    """
+    turns, heights = np.arange(24) * np.pi / 12, np.arange(0, 41, 10)
+    turn, height = (v.ravel() for v in np.meshgrid(turns, heights))
+    away = np.column_stack([np.cos(turn), np.sin(turn), 0.0 * turn])
+    nominal = 50.0 * away + np.outer(height, [0, 0, 1])
+    wider = 5e-4 * height + lean * height * np.cos(turn)
+    points = Points(nominal, -away, -wider, np.ones(len(turn), bool))
+    surface = Surface("cylinder", np.zeros(3), np.array([0, 0, 1.0]), radius_mm=50.0, sign=-1.0)
+    bore = make_feature("bore", [surface], [np.arange(len(turn))])
+    drawing = Drawing({"bore": bore}, {}, ())
+    found = evaluate(drawing, Requirement("bore", read_callout("100 ±0.1")), points)
+    assert [one.label for one in found] == ["smallest", "largest"]
+    assert [one.value_mm for one in found] == pytest.approx([100.0, 100.04], abs=1e-5)
