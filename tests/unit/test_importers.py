@@ -348,6 +348,20 @@ def test_points_of_a_scan_lie_on_the_nominal_surface(tmp_path):
     assert np.abs(points.measured_deviation_mm - size)[clear].max() < 1e-6
 
 
+@pytest.mark.parametrize("separator", [" ", "; ", "\t"])
+def test_a_scan_with_decimal_commas(separator, tmp_path):
+    """Commas between numbers stay what they are; commas in all of them are decimal ones."""
+    job = write_plate_job(tmp_path)
+    corners = [[-2.25, -2.5, 0.004], [5.125, 3.0, 0.005], [2.0, 4.75, -0.001], [6.5, -3.0, 0.0]]
+    files = {}
+    for name, mark, apart in (("a.xyz", ".", ","), ("b.xyz", ",", separator)):
+        lines = [apart.join(f"{v:.3f}".replace(".", mark) for v in row) for row in corners]
+        (tmp_path / name).write_text("\n".join(lines))
+        (one,) = import_files([tmp_path / name], Questions(job_file=job))
+        files[name] = list(one.files.values())
+    assert files["a.xyz"] == files["b.xyz"]
+
+
 def test_feet_on_exact_surfaces():
     """On a STEP part: sampled points moved along their normals come back."""
     part = read_nominal("samples/freecad_pocket/part.step")
