@@ -202,6 +202,9 @@ REFUSED = [
     ("bore 1", "position Ø0 A B C", "a value above 0"),
     ("ball", "straightness Ø0.1", "accepted: Ø for the median line"),
     ("top", "straightness 0.1 along Z", "the plane is normal to Z"),
+    ("bore 1", "circular runout 0.1 D", "'bore 1' does not turn about the axis of the datum"),
+    ("left", "total runout 0.1 D", "'left' does not turn about the axis of the datum"),
+    ("pin", "circular runout 0.1 A", "no datum has an axis; accepted: a cylinder or a cone"),
 ]
 
 
@@ -238,3 +241,28 @@ def test_a_leaning_bore_keeps_its_sections(lean):
     found = evaluate(drawing, Requirement("bore", read_callout("100 ±0.1")), points)
     assert [one.label for one in found] == ["smallest", "largest"]
     assert [one.value_mm for one in found] == pytest.approx([100.0, 100.04], abs=1e-5)
+
+
+@pytest.mark.parametrize("shift_mm", [0.0, 0.005, 0.05])
+@pytest.mark.parametrize("is_whole", [True, False], ids=["whole shaft", "one side of it"])
+def test_axial_runout_is_taken_on_circles_about_the_datum_axis(shift_mm, is_whole):
+    """A face that leans by 1 mrad to its shaft runs out by 2 r 1e-3 on its outer circle, r = 8."""
+    turn = np.arange(24) * np.pi / 12
+    ring = np.column_stack([np.cos(turn), np.sin(turn), 0.0 * turn])
+    shaft = np.vstack([10.0 * ring + [0, 0, h] for h in (0.0, 5.0, 10.0, 15.0)])
+    face = np.vstack([r * ring + [0, 0, 20.0] for r in (5.0, 8.0)])
+    normal = np.vstack([np.tile(ring, (4, 1)), np.tile([0.0, 0.0, 1.0], (48, 1))])
+    deviation = np.r_[shift_mm * np.tile(np.cos(turn), 4), 1e-3 * face[:, 0]]
+    known = np.r_[(shaft[:, 0] > -1.0) | is_whole, np.ones(48, bool)]
+    points = Points(np.vstack([shaft, face]), normal, deviation, known)
+    up = np.array([0.0, 0.0, 1.0])
+    surfaces = {
+        "shaft": Surface("cylinder", np.zeros(3), up, radius_mm=10.0),
+        "face": Surface("plane", 20.0 * up, up),
+    }
+    rows = {"shaft": np.arange(96), "face": np.arange(96, 144)}
+    features = {name: make_feature(name, [surfaces[name]], [rows[name]]) for name in rows}
+    drawing = Drawing(features, {"D": "shaft"}, ())
+    asked = Requirement("face", read_callout("circular runout 0.1 D"))
+    (found,) = evaluate(drawing, asked, points)
+    assert found.value_mm == pytest.approx(0.016, abs=1e-6)

@@ -108,7 +108,7 @@ def _factor(root: ET.Element, source: SourceFile) -> float:
 
 def _balls(root: ET.Element) -> dict[tuple[float, ...], float]:
     """Radius of the probe's ball by the single points whose places are those of its centre."""
-    found = {}
+    found: dict[tuple[float, ...], float] = {}
     for one in root.iter():
         if local(one) == "MeasuredPointSet" and _text(one, "Compensated") in ("false", "0"):
             place = tuple(decimal_number(cell) for cell in _text(one, "Points").split()[:4])
