@@ -266,3 +266,16 @@ def test_axial_runout_is_taken_on_circles_about_the_datum_axis(shift_mm, is_whol
     asked = Requirement("face", read_callout("circular runout 0.1 D"))
     (found,) = evaluate(drawing, asked, points)
     assert found.value_mm == pytest.approx(0.016, abs=1e-6)
+
+
+def test_a_least_squares_size_in_place_of_two_point_sizes_says_so():
+    """Points on half of the wall have no opposite ones; a ball has one size."""
+    cut = np.ones(len(NOMINAL), bool)
+    cut[ROWS["bore 1"]] = NOMINAL[ROWS["bore 1"], 0] > 20.0
+    points = part(bore_1=0.01)
+    half = Points(points.nominal_mm, points.normal, points.deviation_mm, cut)
+    for feature, text, mm in (("bore 1", "20 H7", 19.98), ("ball", "SØ12 ±0.1", 12.0)):
+        (found,) = measures(half, feature, text)
+        assert (found.label, found.value_mm) == ("least squares", pytest.approx(mm, abs=1e-6))
+    (asked,) = measures(half, "bore 1", "20 H7 (GG)")
+    assert asked.label == ""

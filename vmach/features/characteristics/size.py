@@ -77,8 +77,12 @@ def _round(member: Member, points: Points, callout: Callout, factor: float) -> l
         return [contact.scaled(factor), far.scaled(factor)]
     if modifier in ("GX", "GN"):
         return [_contact(member, actual, _CRITERION[modifier]).scaled(factor)]
-    local = _local(member, fitted, actual, nominal) if modifier == "LP" else []
-    return [m.scaled(factor) for m in local or [_gauss(member, fitted)]]
+    least_squares = _gauss(member, fitted)
+    if modifier != "LP":
+        return [least_squares.scaled(factor)]
+    # without full sections, and of a ball, another size than the one that was asked for
+    local = _local(member, fitted, actual, nominal)
+    return [m.scaled(factor) for m in local or [replace(least_squares, label="least squares")]]
 
 
 def _gauss(member: Member, fitted: Association) -> Measure:
