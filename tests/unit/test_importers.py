@@ -140,6 +140,17 @@ def test_a_report_in_inches_whose_headings_name_no_unit(tmp_path):
     ]  # fmt: skip
 
 
+def test_deviations_in_a_column_of_positions_are_refused(tmp_path):
+    """``Messwert`` is either; a message names the file that the user knows, and its line."""
+    text = "Soll (mm);Messwert (µm)\n0;0,1\n100;1,5\n"
+    with pytest.raises(InputError, match=r"x.csv:3: 0.0015 mm was reached where 100 mm was the"):
+        imported(tmp_path, "x.csv", text, error="EXX")
+    one = imported(tmp_path, "x.csv", text, columns={"deviation": "Messwert (µm)"}, error="EXX")
+    assert rows(one.files["errors/EXX.csv"])[2] == ["100", "1.5", "1.5"]
+    with pytest.raises(InputError, match=r"y.csv:1: row '100, 1500, 1500' holds an error of 1.5"):
+        imported(tmp_path, "y.csv", "Soll (mm);Fehler (mm)\n0;0,1\n100;1,5\n", error="EXX")
+
+
 def test_names_of_columns_as_told(tmp_path):
     text = "A;B\n0;1,5\n50;2,5\n"
     given = {"error": "EXX", "unit": "um"}

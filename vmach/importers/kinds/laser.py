@@ -17,6 +17,7 @@ from vmach.importers.loose_table import (
 )
 from vmach.importers.questions import Questions
 from vmach.importers.source_file import SourceFile
+from vmach.machine.tables.error_table import LARGEST_MM
 
 __all__ = ["LaserRuns"]
 
@@ -150,12 +151,27 @@ def _check_dimension(table: LooseTable, name: str) -> None:
         )
 
 
+def _check_reached(table: LooseTable, position: np.ndarray, value: np.ndarray) -> None:
+    """Refuse positions (P,) mm that were missed by more than any axis misses, `value` um."""
+    far = np.abs(value) > 1e3 * LARGEST_MM
+    if far.any():
+        k = int(np.argmax(far))
+        raise table.source.error(
+            f"{position[k] + 1e-3 * value[k]:g} mm was reached where {position[k]:g} mm was the "
+            "target",
+            line=int(table.lines[k]),
+            accepted=f"positions within {LARGEST_MM:g} mm of their targets",
+            hint="--column deviation='HEADING' where the column holds deviations",
+        )
+
+
 def _readings(table: LooseTable, questions: Questions) -> Readings:
     """Every reading by itself, deviations as measured minus target."""
     position = table.complete("position")
     if "actual" in table.numbers:
         questions.used.add("deviation")  # both are there: no question
         value = 1e3 * (table.complete("actual") - position)
+        _check_reached(table, position, value)
         return Readings(position, value, _approach(table, position), table.lines)
     wanted = ("measured-target", "target-measured")
     sign = 1.0 if questions.told("deviation", wanted) == wanted[0] else -1.0
