@@ -151,3 +151,18 @@ def test_the_target_with_the_fewest_readings_tells_the_runs(runs, capsys):
     assert table["runs"] == 2
     eve = 1.5 / 3**0.5
     assert table["U_k2"]["B"] == pytest.approx(2 * eve * (2 / 2) ** 0.5, abs=0.01)
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.02])
+def test_a_straightness_is_told_without_its_slope(slope, tmp_path, capsys):
+    """A bow of 4 um on a line of 20 um/m: E is the line's, the rest by numpy's own fit."""
+    bow = lambda x: 4.0 * ((x + 200.0) / 200.0) ** 2  # noqa: E731
+    write_job(tmp_path, {"EYX": (lambda x: bow(x) + slope * x, (0, 0, -100))})
+    iso230(tmp_path / "machine.toml", as_json=True)
+    (table,) = json.loads(capsys.readouterr().out)["tables"].values()
+    notes = [note for note in table["note_records"] if note["kind"] == "slope"]
+    assert len(notes) == (slope > 0)
+    if slope:
+        assert notes[0]["size"] == pytest.approx(20.0)
+        assert "the means vary by 4.00 um" in notes[0]["sentence"]
+        assert table["figures"]["E"] > 4.0
