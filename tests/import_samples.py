@@ -22,9 +22,9 @@ Position (mm);Abweichung (µm);Richtung;Lauf
 """
 RTL = """\
 HEADER::
-File type: Linear
-Owner: XCAL
-Version no: 1
+File type  : rtl
+Owner      : Linear
+Version no : V20.02.02
 TARGET DATA::
 Filetype: Linear
 Target-count: 3

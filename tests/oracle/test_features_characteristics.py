@@ -7,7 +7,10 @@ import pytest
 
 from tests.feature_part import FACES, NOMINAL, NORMAL, ROWS, measures, moved, part, values
 from vmach.errors import InputError
-from vmach.features.feature import Points
+from vmach.features.drawing.callout import read_callout
+from vmach.features.evaluation import Drawing, Requirement, evaluate
+from vmach.features.feature import Points, make_feature
+from vmach.features.surface import Surface
 
 #: of values that are exact but for the second order of deviations
 MM = 2e-6
@@ -188,12 +191,20 @@ REFUSED = [
     ("left", "distance 30 ±0.1 to top", "are not parallel"),
     ("bore 1", "35 Q7", "tolerance class 'Q7'; accepted: a letter from A to H"),
     ("bore 1", "20 +0.1 +0.1", "both limits are 0.1 mm"),
+    # of a single limit the last digits of the nominal size were taken for the other one
+    ("bore 1", "20.05 +0.02", "tolerance '20.05 [+]0.02'; accepted: '35 H7'"),
+    ("bore 1", "20 +0,05", "accepted: '35 H7'.*hint: decimals follow a point"),
+    ("bore 1", "20 ±0,02", "hint: decimals follow a point"),
+    ("bore 1", "roundness 0,01", "a value above 0 .hint: decimals follow a point"),
     ("bore 1", "roundish 0.1", "tolerance 'roundish 0.1'; accepted: '35 H7'"),
     ("bore 1", "position Ø0.1 a", "'a' is no datum; accepted: capital letters"),
     ("bore 1", "position Ø0.1M A", "'M' is no datum.*maximum material"),
     ("bore 1", "position Ø0 A B C", "a value above 0"),
     ("ball", "straightness Ø0.1", "accepted: Ø for the median line"),
     ("top", "straightness 0.1 along Z", "the plane is normal to Z"),
+    ("bore 1", "circular runout 0.1 D", "'bore 1' does not turn about the axis of the datum"),
+    ("left", "total runout 0.1 D", "'left' does not turn about the axis of the datum"),
+    ("pin", "circular runout 0.1 A", "no datum has an axis; accepted: a cylinder or a cone"),
 ]
 
 
@@ -210,3 +221,61 @@ def test_a_feature_that_no_tool_made_is_refused():
     bare = Points(points.nominal_mm, points.normal, points.deviation_mm, cut)
     with pytest.raises(InputError, match="no point of feature 'bore 1' was cut or measured"):
         values(bare, "bore 1", "roundness 0.1")
+
+
+@pytest.mark.parametrize("lean", [0.0, 1e-4, 3e-4])
+def test_a_leaning_bore_keeps_its_sections(lean):
+    """100 mm at the bottom, 100.04 at the top, 24 points a section: leaning changes no diameter.
+
+    Closed form: a section across the leaning axis is wider by half the square of the lean.
+    """
+    turns, heights = np.arange(24) * np.pi / 12, np.arange(0, 41, 10)
+    turn, height = (v.ravel() for v in np.meshgrid(turns, heights))
+    away = np.column_stack([np.cos(turn), np.sin(turn), 0.0 * turn])
+    nominal = 50.0 * away + np.outer(height, [0, 0, 1])
+    wider = 5e-4 * height + lean * height * np.cos(turn)
+    points = Points(nominal, -away, -wider, np.ones(len(turn), bool))
+    surface = Surface("cylinder", np.zeros(3), np.array([0, 0, 1.0]), radius_mm=50.0, sign=-1.0)
+    bore = make_feature("bore", [surface], [np.arange(len(turn))])
+    drawing = Drawing({"bore": bore}, {}, ())
+    found = evaluate(drawing, Requirement("bore", read_callout("100 ±0.1")), points)
+    assert [one.label for one in found] == ["smallest", "largest"]
+    assert [one.value_mm for one in found] == pytest.approx([100.0, 100.04], abs=1e-5)
+
+
+@pytest.mark.parametrize("shift_mm", [0.0, 0.005, 0.05])
+@pytest.mark.parametrize("is_whole", [True, False], ids=["whole shaft", "one side of it"])
+def test_axial_runout_is_taken_on_circles_about_the_datum_axis(shift_mm, is_whole):
+    """A face that leans by 1 mrad to its shaft runs out by 2 r 1e-3 on its outer circle, r = 8."""
+    turn = np.arange(24) * np.pi / 12
+    ring = np.column_stack([np.cos(turn), np.sin(turn), 0.0 * turn])
+    shaft = np.vstack([10.0 * ring + [0, 0, h] for h in (0.0, 5.0, 10.0, 15.0)])
+    face = np.vstack([r * ring + [0, 0, 20.0] for r in (5.0, 8.0)])
+    normal = np.vstack([np.tile(ring, (4, 1)), np.tile([0.0, 0.0, 1.0], (48, 1))])
+    deviation = np.r_[shift_mm * np.tile(np.cos(turn), 4), 1e-3 * face[:, 0]]
+    known = np.r_[(shaft[:, 0] > -1.0) | is_whole, np.ones(48, bool)]
+    points = Points(np.vstack([shaft, face]), normal, deviation, known)
+    up = np.array([0.0, 0.0, 1.0])
+    surfaces = {
+        "shaft": Surface("cylinder", np.zeros(3), up, radius_mm=10.0),
+        "face": Surface("plane", 20.0 * up, up),
+    }
+    rows = {"shaft": np.arange(96), "face": np.arange(96, 144)}
+    features = {name: make_feature(name, [surfaces[name]], [rows[name]]) for name in rows}
+    drawing = Drawing(features, {"D": "shaft"}, ())
+    asked = Requirement("face", read_callout("circular runout 0.1 D"))
+    (found,) = evaluate(drawing, asked, points)
+    assert found.value_mm == pytest.approx(0.016, abs=1e-6)
+
+
+def test_a_least_squares_size_in_place_of_two_point_sizes_says_so():
+    """Points on half of the wall have no opposite ones; a ball has one size."""
+    cut = np.ones(len(NOMINAL), bool)
+    cut[ROWS["bore 1"]] = NOMINAL[ROWS["bore 1"], 0] > 20.0
+    points = part(bore_1=0.01)
+    half = Points(points.nominal_mm, points.normal, points.deviation_mm, cut)
+    for feature, text, mm in (("bore 1", "20 H7", 19.98), ("ball", "SØ12 ±0.1", 12.0)):
+        (found,) = measures(half, feature, text)
+        assert (found.label, found.value_mm) == ("least squares", pytest.approx(mm, abs=1e-6))
+    (asked,) = measures(half, "bore 1", "20 H7 (GG)")
+    assert asked.label == ""

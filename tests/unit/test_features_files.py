@@ -6,6 +6,7 @@ import csv
 import io
 import re
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 
 import pytest
 from PIL import Image
@@ -15,7 +16,7 @@ from vmach.errors import InputError
 from vmach.features.drawing.callout import read_callout
 from vmach.features.evaluation import Requirement
 from vmach.features.result import FeatureResult, Value
-from vmach.features.verdict import verdict
+from vmach.features.verdict import Verdict, verdict
 from vmach.report import RunRecord, check_ending
 from vmach.report.exchange import dmis, qdas, qif, sheet, table
 
@@ -78,6 +79,24 @@ def test_qif_reads_back_equal():
         assert item.find(f"{FIRST}Name").text == f"{result.feature}: {result.title}"
 
 
+@pytest.mark.parametrize(
+    ("verdicts", "said"),
+    [
+        (("conforms", "conforms"), "PASS"),
+        (("conforms", "cannot be told"), "UNKNOWN"),
+        (("cannot be told", "does not conform"), "FAIL"),
+    ],
+)
+def test_a_part_passes_qif_where_all_of_it_conforms(verdicts, said):
+    """What cannot be told proves no conformance (ISO 14253-1)."""
+    features = tuple(
+        replace(one, values={"abbe": replace(one.values["abbe"], verdict=Verdict(verdict))})
+        for one, verdict in zip(RUN.features, verdicts, strict=False)
+    )
+    root = ET.fromstring(qif.content(replace(RUN, features=features)))
+    assert next(root.iter(f"{FIRST}InspectionStatusEnum")).text == said
+
+
 def test_every_reference_of_qif_leads_somewhere():
     root = ET.fromstring(qif.content(RUN))
     known = [e.get("id") for e in root.iter() if e.get("id")]
@@ -104,6 +123,15 @@ def test_dmis_has_a_nominal_and_an_actual_line_for_each():
         assert any(n.startswith(f"T({label})=TOL/{word},") for n in nominal)
         assert told in ("INTOL", "OUTOL", "UNKNOWN")
     assert lines[-2] == "ENDFIL"
+    # a distance has its nominal value too, as public programs for such machines have it
+    far = next(r for r in RUN.features if r.characteristic == "distance")
+    line = next(line for line in nominal if "TOL/DISTB" in line)
+    words = line.split("/")[1].split(",")
+    assert words[:2] == ["DISTB", "NOMINL"]
+    low, high = (far.nominal_mm + float(word) for word in words[3:5])
+    assert (float(words[2]), low, high) == pytest.approx(
+        (far.nominal_mm, far.lower_mm, far.upper_mm)
+    )
 
 
 def test_qdas_fields_belong_to_their_characteristics():

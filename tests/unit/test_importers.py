@@ -84,6 +84,73 @@ def test_target_and_actual_in_the_order_of_the_motion(tmp_path):
     assert rows(one.files["errors/EZZ.csv"])[1:] == [["0", "1", "3"], ["100", "2", "4"]]
 
 
+@pytest.mark.parametrize(
+    ("error", "unit", "said"),
+    [
+        ("EXX", "arcsec", "EXX is a displacement, and the column of deviation is in arcsec"),
+        ("EYX", "um/m", "EYX is a displacement, and the column of deviation is in um/m"),
+        ("EBX", "um", "EBX is a rotation, and the column of deviation is in um"),
+    ],
+)
+def test_a_length_is_no_angle(error, unit, said, tmp_path):
+    """1 arcsec was taken for 4.85 um, and 1 um for 1 urad."""
+    text = f"Position (mm);Deviation ({unit})\n0;0,1\n100;0,5\n"
+    with pytest.raises(InputError, match=said):
+        imported(tmp_path, "x.csv", text, error=error)
+    with pytest.raises(InputError, match=said):
+        imported(tmp_path, "y.csv", text.replace(f" ({unit})", ""), error=error, unit=unit)
+
+
+def test_positions_that_were_reached_are_no_straightness(tmp_path):
+    text = "Target (mm),Actual (mm)\n0,0.001\n100,100.002\n"
+    with pytest.raises(InputError, match="positions that were reached say nothing of EYX"):
+        imported(tmp_path, "x.csv", text, error="EYX")
+
+
+def test_separators_of_thousands_are_no_decimal_commas(tmp_path):
+    """A spreadsheet in English writes 1000 mm so: it was taken for 1 mm."""
+    text = 'Position (mm),Deviation (um)\n0,0.0\n500,2.5\n"1,000",4.0\n'
+    with pytest.raises(InputError, match=r"x.csv:4: '1,000' has a comma, '0.0' a point"):
+        imported(tmp_path, "x.csv", text, error="EXX")
+
+
+@pytest.mark.parametrize(
+    ("heading", "said"),
+    [
+        ("Position (mm);Deviation (um);Deviation (um)", "columns 2 and 3"),
+        ("Position (mm);Forward (um);Forward (um)", "may both be forward"),
+        ("Pos;Target (mm);Deviation (um)", "'Pos' and 'Target .mm.', may both be position"),
+    ],
+)
+def test_no_column_is_left_out_in_silence(heading, said, tmp_path):
+    text = f"{heading}\n0;1;2\n100;3;4\n"
+    with pytest.raises(InputError, match=said):
+        imported(tmp_path, "x.csv", text, error="EXX")
+    columns = {"position": "Target (mm)"}
+    if "Pos;" in heading:
+        one = imported(tmp_path, "x.csv", text, columns=columns, error="EXX")
+        assert [row[0] for row in rows(one.files["errors/EXX.csv"])[1:]] == ["1", "3"]
+
+
+def test_a_report_in_inches_whose_headings_name_no_unit(tmp_path):
+    text = "x,y,z,mx,my,mz,i,j,k\n1,2,0,1.0001,2,0.0002,0,0,1\n"
+    one = imported(tmp_path, "p.csv", text, unit="inch")
+    assert rows(one.files["p_points.csv"])[1][2:] == [
+        "25.4", "50.8", "0", "0", "0", "1", "25.40254", "50.8", "0.00508",
+    ]  # fmt: skip
+
+
+def test_deviations_in_a_column_of_positions_are_refused(tmp_path):
+    """``Messwert`` is either; a message names the file that the user knows, and its line."""
+    text = "Soll (mm);Messwert (µm)\n0;0,1\n100;1,5\n"
+    with pytest.raises(InputError, match=r"x.csv:3: 0.0015 mm was reached where 100 mm was the"):
+        imported(tmp_path, "x.csv", text, error="EXX")
+    one = imported(tmp_path, "x.csv", text, columns={"deviation": "Messwert (µm)"}, error="EXX")
+    assert rows(one.files["errors/EXX.csv"])[2] == ["100", "1.5", "1.5"]
+    with pytest.raises(InputError, match=r"y.csv:1: row '100, 1500, 1500' holds an error of 1.5"):
+        imported(tmp_path, "y.csv", "Soll (mm);Fehler (mm)\n0;0,1\n100;1,5\n", error="EXX")
+
+
 def test_names_of_columns_as_told(tmp_path):
     text = "A;B\n0;1,5\n50;2,5\n"
     given = {"error": "EXX", "unit": "um"}
@@ -180,6 +247,54 @@ def test_a_ballbar_is_predicted_on_the_machine_of_the_job(tmp_path):
         assert said in line
 
 
+def test_a_point_of_qif_that_is_not_compensated_is_the_centre_of_a_ball(tmp_path):
+    """Numbers of QIF_PTS_SAMPLE of the QIF community: its own characteristic has -0.086196 mm."""
+    text = next(sample for sample in SAMPLES if sample.kind == "qif").text
+    at = "-51.726518705386 54.198959479609 -1.276811288879"
+    for old, new in (
+        ("0.0254", "0.001"),
+        ("<Location>1 2 0</Location><Normal>0 0 1</Normal>",
+         "<Location>-50.175094015692 54.198959479609 -3.125725044257</Location>"
+         "<Normal>-0.642788056925063 0 0.766044067841075</Normal>"),
+        ("1.0 2.0 0.001", at),
+        ("</MeasuredFeatures>",
+         '</MeasuredFeatures><MeasuredPointSets n="1"><MeasuredPointSet id="10" '
+         f'count="1"><Points>\n{at}\n</Points><Compensated>false</Compensated>'
+         "<ProbeRadius>2.49978271104</ProbeRadius></MeasuredPointSet></MeasuredPointSets>"),
+    ):  # fmt: skip
+        assert old in text
+        text = text.replace(old, new)
+    for told, mm in (("false", -0.086196), ("true", 2.413587)):
+        one = imported(tmp_path, "part.qif", text.replace(">false<", f">{told}<"))
+        row = [float(cell) for cell in rows(one.files["part_points.csv"])[1][2:]]
+        apart = np.dot(np.subtract(row[6:9], row[:3]), row[3:6])
+        assert apart == pytest.approx(mm, abs=1e-6)
+        assert any("probe's ball" in line for line in one.told) is (told == "false")
+
+
+@pytest.mark.parametrize("digits", [1, 0], ids=["tenths", "whole degrees"])
+def test_two_circles_are_two_runs_however_angles_are_rounded(digits, tmp_path):
+    """Up to 360 degrees and back: 901 readings each way, every 0.4 degrees."""
+    up = np.arange(901) * 0.4
+    angle = np.round(np.concatenate([up, up[::-1]]), digits)
+    text = "Angle (deg),Deviation (um)\n" + "\n".join(f"{a:.{digits}f},0.1" for a in angle)
+    answers = {"centre": "0 0 0", "radius": "150", "tool_length": "100", "feed": "1000"}
+    one = imported(tmp_path, "c.csv", text, **answers)
+    found = [row[0] for row in rows(one.files["c_ballbar.csv"])[1:]]
+    assert set(found) == {"CCW1", "CW1"} and found == sorted(found)
+    # which of the readings at the turn were still on the way up, rounding does not tell
+    assert abs(found.count("CW1") - 901) <= (0 if digits else 1)
+
+
+def test_positions_as_a_display_shows_them_are_one_target(tmp_path):
+    """ISO 230-2: each target from both sides; the last digits make neither targets nor turns."""
+    text = "Position (mm),Deviation (um)\n0.0001,1\n99.9998,2\n200,3\n200.0003,4\n100.0002,5\n0,6\n"
+    one = imported(tmp_path, "x.csv", text, error="EXX")
+    table = rows(one.files["errors/EXX.csv"])
+    assert [row[1:] for row in table[1:]] == [["1", "6"], ["2", "5"], ["3", "4"]]
+    assert [float(row[0]) for row in table[1:]] == pytest.approx([0, 100, 200], abs=3e-4)
+
+
 @pytest.mark.parametrize("name", [one.name for one in FORMATS.values() if one.errors])
 def test_tables_of_controls_come_back(name, tmp_path):
     """What the control would take back is what the imported machine gets wrong."""
@@ -242,6 +357,20 @@ def test_points_of_a_scan_lie_on_the_nominal_surface(tmp_path):
     clear = inner & (away > 0.2)
     assert np.count_nonzero(clear) > 400
     assert np.abs(points.measured_deviation_mm - size)[clear].max() < 1e-6
+
+
+@pytest.mark.parametrize("separator", [" ", "; ", "\t"])
+def test_a_scan_with_decimal_commas(separator, tmp_path):
+    """Commas between numbers stay what they are; commas in all of them are decimal ones."""
+    job = write_plate_job(tmp_path)
+    corners = [[-2.25, -2.5, 0.004], [5.125, 3.0, 0.005], [2.0, 4.75, -0.001], [6.5, -3.0, 0.0]]
+    files = {}
+    for name, mark, apart in (("a.xyz", ".", ","), ("b.xyz", ",", separator)):
+        lines = [apart.join(f"{v:.3f}".replace(".", mark) for v in row) for row in corners]
+        (tmp_path / name).write_text("\n".join(lines))
+        (one,) = import_files([tmp_path / name], Questions(job_file=job))
+        files[name] = list(one.files.values())
+    assert files["a.xyz"] == files["b.xyz"]
 
 
 def test_feet_on_exact_surfaces():
@@ -567,7 +696,8 @@ def test_the_place_of_the_reflector_is_asked(answer, is_there, tmp_path):
     assert sum("where did the reflector stand" in text for text in asked) == 1
     assert ("measured_at_mm" in one.sections[0].values) is is_there
     assert any("is not said" in text for text in one.told) is not is_there
-    import_files([tmp_path / "x.csv"], Questions({"error": "EBX"}, ask))
+    (tmp_path / "b.csv").write_text(LASER.replace("(µm)", "(arcsec)"))
+    import_files([tmp_path / "b.csv"], Questions({"error": "EBX"}, ask))
     assert sum("where did the reflector stand" in text for text in asked) == 1
 
 

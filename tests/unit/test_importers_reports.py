@@ -57,9 +57,41 @@ def test_a_bad_rtl_is_refused_with_its_line(old, new, said, tmp_path):
         imported(tmp_path, "x.rtl", RTL.replace(old, new))
 
 
-def test_an_rtl_of_an_angle_is_refused(tmp_path):
-    with pytest.raises(InputError, match="EBX is an angle, and the file does not say its unit"):
+def test_linear_runs_are_no_rotation_and_angular_ones_no_displacement(tmp_path):
+    angular = RTL.replace(": rtl", ": rta").replace(": Linear", ": Angular")
+    with pytest.raises(InputError, match="EBX, and the runs are linear; accepted: a displacement"):
         imported(tmp_path, "x.rtl", RTL, error="EBX")
+    with pytest.raises(InputError, match="EXX, and the runs are angular; accepted: a rotation"):
+        imported(tmp_path, "x.rta", angular, error="EXX")
+    with pytest.raises(InputError, match=r"which error does x[.]rta hold"):
+        imported(tmp_path, "x.rta", angular)  # axis X alone does not say which of its rotations
+    with pytest.raises(InputError, match=r"which error does x[.]rts hold"):
+        imported(tmp_path, "x.rts", RTL.replace(": rtl", ": rts"))
+
+
+@pytest.mark.parametrize("name", ["x.rta", "pitch.txt"])
+def test_angular_runs_are_in_mrad(name, tmp_path):
+    """As two public readers have it, which multiply by 206.264 to get arcseconds."""
+    angular = RTL.replace(": rtl", ": rta").replace("3.2000", "0.0320")
+    one = imported(tmp_path, name, angular, error="EBX")
+    assert one.sections[0].table == "errors.EBX"
+    last = rows(one, "errors/EBX.csv")[3]
+    arcsec = float(last[1]) * 1e-6 * 648000 / 3.14159265358979
+    assert arcsec == pytest.approx(0.032 * 206.264, rel=1e-5)
+
+
+def test_runs_filled_with_zeros_were_not_measured(tmp_path):
+    """Files of runs in one direction have such runs, as a public program writes them."""
+    lines = [
+        f"{line.rsplit(' ', 1)[0]} 0" if line[:2] in ("2 ", "4 ") else line
+        for line in RTL.splitlines()
+    ]
+    one = imported(tmp_path, "x.rtl", "\n".join(lines))
+    assert "all 6 readings backward are 0: taken as not measured" in one.told
+    table = rows(one, "errors/EXX.csv")
+    assert [row[1:] for row in table[1:]] == [
+        ["0.1", "0.2", "0.1", "0.2"], ["1.5", "1.6", "1.5", "1.6"], ["3.2", "3.3", "3.2", "3.3"],
+    ]  # fmt: skip
 
 
 def test_locations_of_a_report_are_holes_and_points(tmp_path):

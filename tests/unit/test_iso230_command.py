@@ -31,7 +31,33 @@ def test_json_has_figures_and_uncertainty(runs, capsys):
     assert table["unit"] == "um"
     assert table["figures"]["E"] == pytest.approx(4.0)
     assert table["U_k2"]["A"] > table["U_k2"]["R"] > 0
-    assert table["notes"] == ["2 runs; the standard asks for five"]
+    assert table["notes"] == [
+        "2 runs; the standard asks for five",
+        "2 targets; the standard asks for at least five, and five a metre",
+    ]
+
+
+@pytest.mark.parametrize(("targets", "length_mm", "said"), [(4, 300, True), (5, 300, False),
+                                                           (6, 1500, True), (8, 1600, False),
+                                                           (5, 2500, False)])  # fmt: skip
+def test_targets_are_five_at_least_and_five_a_metre(targets, length_mm, said, tmp_path, capsys):
+    """ISO 230-2:2014, 5.3.2; public software has max(5, ceil(5 L)) up to 2 m as well."""
+    path = tmp_path / "x.csv"
+    rows = [f"{x},1,0.5,2,1" for x in np.linspace(0, length_mm, targets)]
+    path.write_text("\n".join([RUNS.partition("\n")[0], *rows]))
+    iso230(path, as_json=True)
+    notes = json.loads(capsys.readouterr().out)["tables"]["x"]["notes"]
+    assert any("at least five" in note for note in notes) is said
+
+
+def test_runs_of_one_direction_say_nothing_of_reversal(tmp_path, capsys):
+    """As the import writes them: both columns hold the same readings."""
+    path = tmp_path / "x.csv"
+    path.write_text("position_mm,forward_1,backward_1,forward_2,backward_2\n0,1,1,2,2\n9,3,3,4,4\n")
+    iso230(path, as_json=True)
+    table = json.loads(capsys.readouterr().out)["tables"]["x"]
+    assert table["figures"]["B"] == 0.0 and table["figures"]["A"] is not None
+    assert any("the same values for both directions" in note for note in table["notes"])
 
 
 def test_angles_have_no_budget(runs, capsys):
@@ -114,3 +140,29 @@ def test_machine_without_tables(tmp_path):
     with pytest.raises(InputError, match="no error tables"):
         iso230(path)
     accuracy(path, grid="3", as_json=True)  # nothing wrong with it, nothing to find
+
+
+def test_the_target_with_the_fewest_readings_tells_the_runs(runs, capsys):
+    """U of a mean of n readings has the n of that target (budget of one drift, eve)."""
+    runs.write_text(RUNS.replace("backward_2", "backward_2,forward_3,backward_3")
+                    .replace("3,2\n", "3,2,3,\n").replace("5,6\n", "5,6,5,6\n"))  # fmt: skip
+    iso230(runs, as_json=True)
+    table = json.loads(capsys.readouterr().out)["tables"]["x"]
+    assert table["runs"] == 2
+    eve = 1.5 / 3**0.5
+    assert table["U_k2"]["B"] == pytest.approx(2 * eve * (2 / 2) ** 0.5, abs=0.01)
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.02])
+def test_a_straightness_is_told_without_its_slope(slope, tmp_path, capsys):
+    """A bow of 4 um on a line of 20 um/m: E is the line's, the rest by numpy's own fit."""
+    bow = lambda x: 4.0 * ((x + 200.0) / 200.0) ** 2  # noqa: E731
+    write_job(tmp_path, {"EYX": (lambda x: bow(x) + slope * x, (0, 0, -100))})
+    iso230(tmp_path / "machine.toml", as_json=True)
+    (table,) = json.loads(capsys.readouterr().out)["tables"].values()
+    notes = [note for note in table["note_records"] if note["kind"] == "slope"]
+    assert len(notes) == (slope > 0)
+    if slope:
+        assert notes[0]["size"] == pytest.approx(20.0)
+        assert "the means vary by 4.00 um" in notes[0]["sentence"]
+        assert table["figures"]["E"] > 4.0

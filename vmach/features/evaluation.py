@@ -131,7 +131,9 @@ def _in_frame(
         return profile(feature, points, system)
     if name == "profile of line":
         return line_profile(feature, points, callout, system)
-    return runout(feature, points, callout, system)
+    letters = [letter for label in callout.datums for letter in label.split("-")]
+    datums = [drawing.datum_features[letter] for letter in letters]
+    return runout(feature, points, callout, system, datums)
 
 
 def _check_not_its_own_datum(drawing: Drawing, feature: Feature, callout: Callout) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -29,6 +29,10 @@ LASER_KEYS: Mapping[str, str] = {
 
 #: of a reflector whose place nobody knows any more
 _UNKNOWN = "unknown"
+#: nearer positions are one target, as error tables have it
+_SAME_MM = 1e-3
+#: so many readings of exactly 0, and no other, were not measured
+_NOT_MEASURED = 3
 
 
 @dataclass(frozen=True)
@@ -83,6 +87,7 @@ def table_imported(
         default=0.0,
     )
     own = _with_reflector(name, questions)
+    readings, left_out = _without_zeros(readings)
     runs, is_down = _runs(readings, source), counts == "down"
     convention = Convention.of(questions.machine_file)
     file = f"errors/{name}.csv"
@@ -100,7 +105,21 @@ def table_imported(
     )
     said = f"{source.path.name}: {len(readings.value)} readings at {len(runs.position_mm)} "
     said += f"positions, {len(runs.forward)} runs forward, {len(runs.backward)} backward"
-    return Imported(files, sections, (said, check, *_missing_place(name, own)))
+    return Imported(files, sections, (said, *left_out, check, *_missing_place(name, own)))
+
+
+def _without_zeros(readings: Readings) -> tuple[Readings, tuple[str, ...]]:
+    """Readings without a direction that was filled with zeros, and a line that says so.
+
+    Files of runs in one direction have such runs between the measured ones.
+    """
+    for way, name in ((1.0, "forward"), (-1.0, "backward")):
+        mine = readings.approach == way
+        count, other = np.count_nonzero(mine), readings.value[~mine]
+        if count >= _NOT_MEASURED and not readings.value[mine].any() and other.any():
+            kept = Readings(*(getattr(readings, f.name)[~mine] for f in fields(readings)))
+            return kept, (f"all {count} readings {name} are 0: taken as not measured",)
+    return readings, ()
 
 
 def _with_reflector(name: str, questions: Questions) -> Questions:
@@ -128,9 +147,19 @@ def _missing_place(name: str, questions: Questions) -> tuple[str, ...]:
     )
 
 
+def _targets(position: np.ndarray) -> np.ndarray:
+    """Positions (P,), those that are the same but for the last digits of a display made equal."""
+    order = np.argsort(position)
+    group = np.concatenate([[0], np.cumsum(np.diff(position[order]) >= _SAME_MM)])
+    middle = np.bincount(group, position[order]) / np.bincount(group)
+    same = np.empty(len(position))
+    same[order] = np.round(middle, 4)[group]
+    return same
+
+
 def approach_in_order(position: np.ndarray) -> np.ndarray:
     """Signs of the motion into each position, (P,), from the order of the positions."""
-    moved = np.sign(np.diff(position))
+    moved = np.sign(np.diff(_targets(position)))
     sides = np.empty(len(position))
     sides[0] = moved[moved != 0][0] if moved.any() else 1.0
     for k, way in enumerate(moved, 1):
@@ -141,7 +170,7 @@ def approach_in_order(position: np.ndarray) -> np.ndarray:
 
 def _runs(readings: Readings, source: SourceFile) -> Runs:
     """The n-th reading of a position from one side belongs to the n-th run."""
-    target, place = np.unique(np.round(readings.position, 4), return_inverse=True)
+    target, place = np.unique(_targets(readings.position), return_inverse=True)
     if len(target) < 2:
         raise source.error(f"{len(target)} position", accepted="two or more positions")
     sides: Mapping[float, list[np.ndarray]] = {1.0: [], -1.0: []}

@@ -17,13 +17,16 @@ from vmach.files.text_file import decimal_number
 from vmach.importers.source_file import SourceFile
 from vmach.machine.tables.error_table import MM_PER, RAD_PER
 
-__all__ = ["ANGLE", "LENGTH", "NUMBER", "SMALL", "SPEED", "TIME", "Column", "LooseTable", "cells"]
+__all__ = ["ANGLE", "LENGTH", "NUMBER", "SMALL", "SMALL_ANGLE", "SMALL_LENGTH", "SPEED", "TIME",
+           "Column", "LooseTable", "cells"]  # fmt: skip
 
 #: sizes of units in the unit of the project's own files: mm; um or urad; degrees; s; 1/min
 LENGTH = {**MM_PER, "in": 25.4, "inches": 25.4}
-SMALL = {unit: size * 1e3 for unit, size in LENGTH.items()} | {
-    unit: size * 1e6 for unit, size in RAD_PER.items()
-} | {"sec": 1e6 * RAD_PER["arcsec"]}  # fmt: skip
+SMALL_LENGTH = {unit: size * 1e3 for unit, size in LENGTH.items()}
+SMALL_ANGLE = {unit: size * 1e6 for unit, size in RAD_PER.items()} | {
+    "sec": 1e6 * RAD_PER["arcsec"]
+}
+SMALL = SMALL_LENGTH | SMALL_ANGLE
 ANGLE = {"deg": 1.0, "degree": 1.0, "degrees": 1.0, "rad": 57.29577951308232, "°": 1.0}
 TIME = {"s": 1.0, "sec": 1.0, "min": 60.0, "h": 3600.0, "ms": 1e-3}
 SPEED = {"rpm": 1.0, "1/min": 1.0, "mm/min": 1.0, "mm/s": 60.0, "in/min": 25.4, "m/min": 1e3}
@@ -83,6 +86,8 @@ class LooseTable:
     numbers : mapping of str to (P,) float64
         In the units of the project's own files; NaN for an empty cell.
     text : mapping of str to (P,) str
+    units : mapping of str to str
+        What the file has each column of `numbers` in; empty for a number without unit.
     """
 
     source: SourceFile
@@ -91,6 +96,7 @@ class LooseTable:
     lines: np.ndarray
     numbers: Mapping[str, np.ndarray]
     text: Mapping[str, np.ndarray]
+    units: Mapping[str, str]
 
     @classmethod
     def find(
@@ -112,7 +118,7 @@ class LooseTable:
         Raises
         ------
         InputError
-            A row that does not fit below the heading.
+            Two columns that may be meant, or a row that does not fit below the heading.
         """
         if not source.is_text:
             return None
@@ -121,6 +127,7 @@ class LooseTable:
                 header = cells(line, separator)
                 found = _found(header, columns, given or {})
                 if found is not None:
+                    _check_once(source, number + 1, header, found, given or {})
                     return cls._read(source, number, separator, header, found)
         return None
 
@@ -157,7 +164,9 @@ class LooseTable:
             raise source.error(
                 "no rows below the heading", line=head + 1, accepted="rows of numbers"
             )
-        numbers, text = {}, {}
+        _check_marks(source, rows, lines, [k for k, (column, _) in found.items()
+                                           if not column.is_text])  # fmt: skip
+        numbers, text, units = {}, {}, {}
         for k, (column, unit) in found.items():
             own = [row[k] for row in rows]
             if column.is_text:
@@ -165,7 +174,8 @@ class LooseTable:
             else:
                 size = _size(source, column, unit, header[k], head + 1)
                 numbers[column.name] = size * _values(source, own, lines, header[k])
-        return cls(source, tuple(header), head + 1, np.array(lines), numbers, text)
+                units[column.name] = unit or column.unit
+        return cls(source, tuple(header), head + 1, np.array(lines), numbers, text, units)
 
     def complete(self, name: str) -> np.ndarray:
         """A column without empty cells, (P,).
@@ -197,20 +207,59 @@ def cells(line: str, separator: str | None) -> list[str]:
 def _found(
     header: list[str], columns: Sequence[Column], given: Mapping[str, str]
 ) -> dict[int, tuple[Column, str]] | None:
-    """Place of each column in a heading, and its unit; None where one is missing or twice."""
+    """Place of each column in a heading, and its unit; None where one is missing."""
     found: dict[int, tuple[Column, str]] = {}
     for column in columns:
-        if column.name in given:
-            own = given[column.name].strip().lower()
-            places = [k for k, cell in enumerate(header) if cell.lower() == own]
-        else:
-            places = [k for k, cell in enumerate(header) if column.matches(_split(cell, column)[0])]
-        places = [k for k in places if k not in found]
+        places = [k for k in _places(header, column, given) if k not in found]
         if not places and (column.is_needed or column.name in given):
             return None
         if places:
             found[places[0]] = (column, _split(header[places[0]], column)[1])
     return found if len(found) > 1 else None
+
+
+def _places(header: list[str], column: Column, given: Mapping[str, str]) -> list[int]:
+    """Where a heading has a column: as told, else by its words."""
+    if column.name in given:
+        own = given[column.name].strip().lower()
+        return [k for k, cell in enumerate(header) if cell.lower() == own]
+    return [k for k, cell in enumerate(header) if column.matches(_split(cell, column)[0])]
+
+
+def _check_once(
+    source: SourceFile,
+    line: int,
+    header: list[str],
+    found: Mapping[int, tuple[Column, str]],
+    given: Mapping[str, str],
+) -> None:
+    """Refuse numbers that two columns may hold: one of them would be left out in silence."""
+    for place, (column, _) in found.items():
+        others = [k for k in _places(header, column, given) if k not in found]
+        if others and not column.is_text:
+            raise source.error(
+                f"columns {place + 1} and {others[0] + 1}, '{header[place]}' and "
+                f"'{header[others[0]]}', may both be {column.name}",
+                line=line,
+                accepted=f"one column of {column.name}",
+                hint=f"--column {column.name}='HEADING' says which; runs side by side have "
+                "numbers: 'Run 1 +', 'Run 1 -', 'Run 2 +'",
+            )
+
+
+def _check_marks(
+    source: SourceFile, rows: Sequence[list[str]], lines: Sequence[int], places: Sequence[int]
+) -> None:
+    """Refuse a table with decimal points and commas: one of them groups thousands."""
+    numbers = [(row[k], line) for row, line in zip(rows, lines, strict=True) for k in places]
+    point = next((cell for cell, _ in numbers if "." in cell), None)
+    comma = next(((cell, line) for cell, line in numbers if _COMMA.fullmatch(cell)), None)
+    if point is not None and comma is not None:
+        raise source.error(
+            f"'{comma[0]}' has a comma, '{point}' a point",
+            line=comma[1],
+            accepted="one decimal mark in the whole table, and no mark between thousands",
+        )
 
 
 def _split(cell: str, column: Column) -> tuple[str, str]:

@@ -112,7 +112,10 @@ def check_laser(
         for name, text in {**files, "machine.toml": machine}.items():
             (Path(room) / name).parent.mkdir(exist_ok=True)
             (Path(room) / name).write_text(text, encoding="utf-8")
-        described = read_machine(Path(room) / "machine.toml")
+        try:
+            described = read_machine(Path(room) / "machine.toml")
+        except InputError as error:  # of the user's file, which the caller names
+            raise InputError(error.what, accepted=error.accepted, hint=error.hint) from None
     moved = displacement(described, nose, np.zeros(3), Variant.HTM, direction=side)
     if angular:
         predicted = urad_from_rad(moved.tilt_rad[:, direction])

@@ -24,6 +24,9 @@ from vmach.machine.tables.runs import Runs
 
 __all__ = ["EvaluatedTable", "evaluated_tables", "iso230_figures"]
 
+#: a slope below this is what rounding leaves of none, um/m
+_FLAT_UM_PER_M = 0.1
+
 
 @dataclass(frozen=True)
 class EvaluatedTable:
@@ -101,7 +104,8 @@ def _table_figures(axis: EvaluatedTable, budget: Budget) -> dict[str, Any]:
         name: None if value is None else round(value * axis.factor, 4)
         for name, value in result.figures().items()
     }
-    runs = min(len(result.runs.forward), len(result.runs.backward))
+    sides = (result.runs.forward, result.runs.backward)
+    runs = min(int(np.isfinite(side).sum(axis=0).min()) for side in sides)
     notes = list(_notes(axis, runs))
     entry: dict[str, Any] = {
         "unit": axis.unit, "runs": runs, "targets": len(result.runs.position_mm),
@@ -114,20 +118,41 @@ def _table_figures(axis: EvaluatedTable, budget: Budget) -> dict[str, Any]:
     return entry
 
 
+def _slope_note(axis: EvaluatedTable) -> Iterator[Note]:
+    """What a straightness is without the slope of its line, which is squareness or alignment.
+
+    Source: ISO 230-1:2012, straightness deviation from a least squares reference line.
+    """
+    result = axis.result
+    place_mm = result.runs.position_mm - result.runs.position_mm.mean()
+    middle = 0.5 * (result.mean_forward + result.mean_backward)
+    slope = float(place_mm @ middle / (place_mm @ place_mm))
+    if abs(1e6 * slope) >= _FLAT_UM_PER_M:
+        means = np.concatenate((result.mean_forward, result.mean_backward))
+        left = means - slope * np.tile(place_mm, 2)
+        said = (
+            f"the figures hold a slope of {1e6 * slope:.1f} um/m; about the least squares line "
+            f"(straightness, ISO 230-1) the means vary by {um_from_mm(float(np.ptp(left))):.2f} um"
+        )
+        yield Note.plain(Kind.SLOPE, said, 1e6 * slope, "um/m", place=axis.name)
+
+
 def _notes(axis: EvaluatedTable, runs: int) -> Iterator[Note]:
     if axis.result.A is None:
         said = "means only: A and R need at least two runs in either direction"
         yield Note.plain(Kind.RUNS, said, runs, "1", place=axis.name)
-        if axis.result.B == 0.0:
-            said = "the same values for both directions: B says nothing"
-            yield Note.plain(Kind.DIRECTION, said, 0.0, axis.unit, place=axis.name)
     elif runs < 5:
         said = f"{runs} runs; the standard asks for five"
         yield Note.plain(Kind.RUNS, said, runs, "1", place=axis.name)
+    if axis.result.B == 0.0:
+        said = "the same values for both directions: B says nothing, the rest is of one direction"
+        yield Note.plain(Kind.DIRECTION, said, 0.0, axis.unit, place=axis.name)
     targets = len(axis.result.runs.position_mm)
-    if axis.length_mm <= 2000.0 and targets < 5 * axis.length_mm / 1000.0:
-        said = f"{targets} targets; the standard asks for at least five a metre"
+    if axis.length_mm <= 2000.0 and targets < max(5, 5 * axis.length_mm / 1000.0):
+        said = f"{targets} targets; the standard asks for at least five, and five a metre"
         yield Note.plain(Kind.TARGETS, said, targets, "1", place=axis.name)
+    if not axis.is_positioning and not axis.is_angle:
+        yield from _slope_note(axis)
     if not axis.is_positioning:
         said = "no uncertainty is stated: the budget covers positioning only"
         yield Note.plain(Kind.BUDGET, said, place=axis.name)

@@ -66,19 +66,23 @@ def _check_nominal(feature: Feature, callout: Callout, has_mm: float) -> None:
 
 
 def _round(member: Member, points: Points, callout: Callout, factor: float) -> list[Measure]:
-    actual = points.actual_mm[member.rows]
+    actual, nominal = (places[member.rows] for places in (points.actual_mm, points.nominal_mm))
     fitted = associate(member.surface, actual)
     modifier = callout.modifier
     is_hole = member.surface.sign < 0.0
     if modifier == "E":
         contact = _contact(member, actual, "inscribed" if is_hole else "circumscribed")
-        local = _local(member, fitted, actual) or [_gauss(member, fitted)]
+        local = _local(member, fitted, actual, nominal) or [_gauss(member, fitted)]
         far = (max if is_hole else min)(local, key=lambda m: m.value_mm)
         return [contact.scaled(factor), far.scaled(factor)]
     if modifier in ("GX", "GN"):
         return [_contact(member, actual, _CRITERION[modifier]).scaled(factor)]
-    local = _local(member, fitted, actual) if modifier == "LP" else []
-    return [m.scaled(factor) for m in local or [_gauss(member, fitted)]]
+    least_squares = _gauss(member, fitted)
+    if modifier != "LP":
+        return [least_squares.scaled(factor)]
+    # without full sections, and of a ball, another size than the one that was asked for
+    local = _local(member, fitted, actual, nominal)
+    return [m.scaled(factor) for m in local or [replace(least_squares, label="least squares")]]
 
 
 def _gauss(member: Member, fitted: Association) -> Measure:
@@ -92,13 +96,18 @@ def _contact(member: Member, actual: np.ndarray, criterion: str) -> Measure:
     return Measure(found.value_mm, member.rows, found.weight)
 
 
-def _local(member: Member, fitted: Association, actual: np.ndarray) -> list[Measure]:
-    """Half of the smallest and of the largest two-point size; none without full sections."""
+def _local(
+    member: Member, fitted: Association, actual: np.ndarray, nominal: np.ndarray
+) -> list[Measure]:
+    """Half of the smallest and of the largest two-point size; none without full sections.
+
+    Points are of one section where the nominal ones, (N, 3) mm, are: the axis that was found leans.
+    """
     if member.surface.kind != "cylinder":
         return []
     surface = fitted.placed
     found = []
-    for rows in section_rows(surface.heights_mm(actual)):
+    for rows in section_rows(member.surface.heights_mm(nominal)):
         _, away = surface.radial(actual[rows])
         if len(rows) >= 4 and largest_gap_rad(surface, away) < _WIDEST_GAP_RAD:
             found += _section_sizes(surface, actual[rows], member.rows[rows])

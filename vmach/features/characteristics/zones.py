@@ -5,6 +5,8 @@ Source: ISO 1101, ISO 1660 (profile), ISO 5458 (patterns), ISO 5459 (datum syste
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from vmach.errors import InputError
@@ -21,6 +23,8 @@ __all__ = ["coaxiality", "line_profile", "location", "orientation", "profile", "
 
 #: angles between nominal directions agree within this, rad
 _SAME_RAD = 1e-6
+#: axes are one within this, mm
+_SAME_MM = 1e-3
 _ANGLE = {"parallelism": 0.0, "perpendicularity": 0.5 * np.pi}
 
 
@@ -107,7 +111,7 @@ def coaxiality(
         raise InputError(f"tolerance {callout.text!r} of {feature.name!r}",
                          accepted="cylinders and cones about one axis")  # fmt: skip
     apart = float(own.radial(other.point_mm[None])[0][0])
-    if abs(abs(own.axis @ other.axis) - 1.0) > _SAME_RAD or apart > 1e-3:
+    if abs(abs(own.axis @ other.axis) - 1.0) > _SAME_RAD or apart > _SAME_MM:
         raise InputError(
             f"tolerance {callout.text!r}: the axis of {feature.name!r} is {apart:.6g} mm beside "
             "that of the datum in the CAD",
@@ -237,8 +241,14 @@ def _surface_zone(
     )
 
 
-def runout(feature: Feature, points: Points, callout: Callout, system: DatumSystem) -> Measure:
-    """Circular runout of sections, or total runout, about the datum axis or along it.
+def runout(
+    feature: Feature,
+    points: Points,
+    callout: Callout,
+    system: DatumSystem,
+    datums: Sequence[Feature],
+) -> Measure:
+    """Circular runout of sections, or total runout, about the axis of the datums or along it.
 
     Raises
     ------
@@ -250,16 +260,46 @@ def runout(feature: Feature, points: Points, callout: Callout, system: DatumSyst
     if surface.kind not in ("cylinder", "cone", "plane"):
         raise InputError(f"tolerance {callout.text!r} of a {feature.kind}",
                          accepted="a cylinder, a cone or a plane across the axis")  # fmt: skip
+    axis = _axis_of(datums, callout)
+    _check_turns(surface, axis, feature, callout)
     seen = system.pose.undo(points.actual_mm[member.rows])
+    nominal = points.nominal_mm[member.rows]
     distance, _, _ = surface.rows(seen)
     if callout.characteristic == "total runout":
         groups = [np.arange(len(distance))]
     elif surface.kind == "plane":
-        radius = np.linalg.norm(np.cross(seen - system.about_mm, surface.axis), axis=1)
-        groups = section_rows(radius)
+        groups = section_rows(axis.radial(nominal)[0])
     else:
-        groups = section_rows(surface.heights_mm(points.nominal_mm[member.rows]))
+        groups = section_rows(surface.heights_mm(nominal))
     return largest([_range_of(member, surface, system, seen, distance, rows) for rows in groups])
+
+
+def _axis_of(datums: Sequence[Feature], callout: Callout) -> Surface:
+    """The nominal surface whose axis the datums turn about.
+
+    Raises
+    ------
+    InputError
+        None of them has an axis.
+    """
+    surfaces = [member.surface for feature in datums for member in feature.members]
+    found = next((one for one in surfaces if one.has_axis), None)
+    if found is None:
+        raise InputError(
+            f"tolerance {callout.text!r}: no datum has an axis", accepted="a cylinder or a cone"
+        )
+    return found
+
+
+def _check_turns(surface: Surface, axis: Surface, feature: Feature, callout: Callout) -> None:
+    """Refuse what does not turn about an axis."""
+    apart = 0.0 if surface.kind == "plane" else float(surface.radial(axis.point_mm[None])[0][0])
+    if abs(abs(surface.axis @ axis.axis) - 1.0) > _SAME_RAD or apart > _SAME_MM:
+        raise InputError(
+            f"tolerance {callout.text!r}: {feature.name!r} does not turn about the axis of the "
+            "datum in the CAD",
+            accepted="surfaces about the axis, planes across it",
+        )
 
 
 def _range_of(member, surface, system, seen, distance, rows) -> Measure:

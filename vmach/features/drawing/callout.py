@@ -49,10 +49,10 @@ SIZE_MODIFIERS = ("LP", "GG", "GX", "GN", "E")
 _NUMBER = r"\d+(?:\.\d*)?|\.\d+"
 _SIGNED = rf"[+−-]?\s*(?:{_NUMBER})"
 _SIZE = re.compile(
-    rf"""(?:(?P<what>distance|size)\s+)?(?P<sign>S?[ØøΦ⌀]|S?R)?\s*(?P<nominal>{_NUMBER})\s*(?:mm)?\s*
+    rf"""(?:(?P<what>distance|size)\s+)?(?P<sign>S?[ØøΦ⌀]|S?R)?\s*(?P<nominal>{_NUMBER})(?![\d.,])\s*(?:mm)?\s*
     (?:(?P<fit>[A-Za-z]{{1,2}}\d{{1,2}})
      |(?:±|\+/-|\+-)\s*(?P<both>{_NUMBER})
-     |(?P<one>{_SIGNED})\s*(?:/|,|\s)\s*(?P<other>{_SIGNED}))\s*(?:mm)?
+     |(?P<one>{_SIGNED})\s*(?:/|,(?!\d)|\s)\s*(?P<other>{_SIGNED}))\s*(?:mm)?
     (?:\s+to\s+(?P<to>\S.*?))?(?:\s*\(?(?P<modifier>LP|GG|GX|GN|E)\)?)?""",
     re.VERBOSE,
 )
@@ -128,7 +128,14 @@ def read_callout(text: str) -> Callout:
         if words.lower().startswith(name):
             return _read_frame(text, _ALIASES.get(name, name), words[len(name) :])
     known = ", ".join(CHARACTERISTICS)
-    raise InputError(f"tolerance {text!r}", accepted=f"{_EXAMPLE}; or a value after {known}")
+    raise InputError(
+        f"tolerance {text!r}", accepted=f"{_EXAMPLE}; or a value after {known}", hint=_comma(words)
+    )
+
+
+def _comma(words: str) -> str | None:
+    """What to do about a decimal comma; None without one."""
+    return "decimals follow a point" if re.search(r"\d,\d", words) else None
 
 
 def _read_size(text: str, found: re.Match) -> Callout:
@@ -171,7 +178,9 @@ def _read_frame(text: str, name: str, rest: str) -> Callout:
     found = _FRAME.fullmatch(rest.strip())
     if not found or float(found["value"]) <= 0.0:
         raise InputError(
-            f"tolerance {text!r}", accepted=f"'{name} 0.05' and letters of datums, a value above 0"
+            f"tolerance {text!r}",
+            accepted=f"'{name} 0.05' and letters of datums, a value above 0",
+            hint=_comma(rest),
         )
     datums = found["rest"].replace(",", " ").split()
     wrong = [word for word in datums if not _DATUM.fullmatch(word)]

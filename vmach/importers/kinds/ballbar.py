@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from vmach.importers.importer import Imported, Importer, Section
-from vmach.importers.loose_table import ANGLE, SMALL, SPEED, TIME, Column, LooseTable
+from vmach.importers.loose_table import ANGLE, SMALL_LENGTH, SPEED, TIME, Column, LooseTable
 from vmach.importers.questions import Questions
 from vmach.importers.source_file import SourceFile
 from vmach.instruments.kinds.ballbar import Ballbar
@@ -92,7 +92,7 @@ class BallbarReadings(Importer):
 
 
 def _table(source: SourceFile, questions: Questions) -> LooseTable | None:
-    radius = Column("radius", _RADIUS, SMALL, questions.unit())
+    radius = Column("radius", _RADIUS, SMALL_LENGTH, questions.unit())
     columns = (_ANGLE, radius, _RUN, _FEED, _TIME)
     return LooseTable.find(source, columns, given=questions.columns)
 
@@ -102,6 +102,10 @@ def _runs(table: LooseTable, angle: np.ndarray) -> list[str]:
     if "run" in table.text:
         return [word.replace(",", " ") for word in table.text["run"]]
     turn = np.sign((np.diff(angle) + 180.0) % 360.0 - 180.0)
+    # an angle that stands still, where circles meet or digits are few, goes on as what follows
+    goes = np.flatnonzero(turn)
+    if len(goes):
+        turn = turn[goes[np.minimum(np.searchsorted(goes, np.arange(len(turn))), len(goes) - 1)]]
     senses = np.concatenate([turn[:1], turn]) if len(turn) else np.ones(1)
     number = np.concatenate([[0], np.cumsum(senses[1:] != senses[:-1])])
     return [f"{'CCW' if senses[k] > 0 else 'CW'}{number[k] // 2 + 1}" for k in range(len(angle))]

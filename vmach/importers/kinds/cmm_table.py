@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from vmach.importers.importer import Imported, Importer
@@ -77,13 +79,22 @@ class CmmTable(Importer):
 
 
 def _points(source: SourceFile, questions: Questions) -> LooseTable | None:
-    columns = (*_MEASURED.values(), *_NOMINAL.values(), *_NORMAL, _NAME, _FEATURE)
-    return LooseTable.find(source, columns, given=questions.columns)
+    places = (*_MEASURED.values(), *_NOMINAL.values())
+    return _find(source, questions, (*places, *_NORMAL, _NAME, _FEATURE))
 
 
 def _holes(source: SourceFile, questions: Questions) -> LooseTable | None:
     across = [columns[a] for columns in (_MEASURED, _NOMINAL) for a in "xy"]
-    return LooseTable.find(source, (*across, *_DIAMETERS, _NAME), given=questions.columns)
+    return _find(source, questions, (*across, *_DIAMETERS, _NAME))
+
+
+def _find(
+    source: SourceFile, questions: Questions, columns: tuple[Column, ...]
+) -> LooseTable | None:
+    """The table with these columns; lengths without a unit are in the one that is told, else mm."""
+    unit = questions.unit()
+    own = tuple(replace(c, unit=unit) if unit and c.units is LENGTH else c for c in columns)
+    return LooseTable.find(source, own, given=questions.columns)
 
 
 def _as_points(table: LooseTable, questions: Questions) -> Points:

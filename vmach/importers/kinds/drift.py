@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from vmach.importers.importer import Imported, Importer, Section
-from vmach.importers.loose_table import SMALL, SPEED, TIME, Column, LooseTable
+from vmach.importers.loose_table import SMALL_LENGTH, SPEED, TIME, Column, LooseTable
 from vmach.importers.questions import Questions
 from vmach.importers.source_file import SourceFile
 from vmach.instruments.kinds.drift import Drift
@@ -80,8 +80,8 @@ class DriftLog(Importer):
 def _table(source: SourceFile, questions: Questions) -> LooseTable | None:
     unit = questions.unit()
     moved = tuple(
-        Column(f"d{a}", (f"d{a}", f"{a}", f"{a} drift", f"drift {a}", f"displacement {a}"), SMALL,
-               unit, is_needed=a == "z")
+        Column(f"d{a}", (f"d{a}", f"{a}", f"{a} drift", f"drift {a}", f"displacement {a}"),
+               SMALL_LENGTH, unit, is_needed=a == "z")
         for a in "xyz"
     )  # fmt: skip
     return LooseTable.find(source, (_TIME, *moved, _RPM), given=questions.columns)

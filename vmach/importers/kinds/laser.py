@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from vmach.importers.component_table import component_question
+from vmach.importers.component_table import component_question, unit_of
 from vmach.importers.importer import Imported, Importer
 from vmach.importers.laser_runs import LASER_KEYS, Readings, approach_in_order, table_imported
-from vmach.importers.loose_table import LENGTH, SMALL, Column, LooseTable
+from vmach.importers.loose_table import (
+    LENGTH,
+    SMALL,
+    SMALL_ANGLE,
+    SMALL_LENGTH,
+    Column,
+    LooseTable,
+)
 from vmach.importers.questions import Questions
 from vmach.importers.source_file import SourceFile
+from vmach.machine.tables.error_table import LARGEST_MM
 
 __all__ = ["LaserRuns"]
 
@@ -106,6 +114,7 @@ class LaserRuns(Importer):
                 hint="--column position=... and --column deviation=... name other headings",
             )
         name = component_question(source, questions)
+        _check_dimension(table, name)
         readings = _readings(table, questions)
         return table_imported(readings, name, source, questions)
 
@@ -122,12 +131,47 @@ def _table(source: SourceFile, questions: Questions) -> LooseTable | None:
     return found if wide else None
 
 
+def _check_dimension(table: LooseTable, name: str) -> None:
+    """Refuse angles for a displacement, lengths for a rotation, and positions for neither."""
+    own = SMALL_LENGTH if unit_of(name) == "um" else SMALL_ANGLE
+    for column, unit in table.units.items():
+        if column != "position" and unit not in own:
+            raise table.source.error(
+                f"{name} is a {'displacement' if own is SMALL_LENGTH else 'rotation'}, and the "
+                f"column of {column} is in {unit}",
+                line=table.header_line,
+                accepted=", ".join(own),
+                hint="--error says which error the file holds",
+            )
+    if "actual" in table.numbers and name[1] != name[2]:
+        raise table.source.error(
+            f"positions that were reached say nothing of {name}",
+            line=table.header_line,
+            accepted="EXX, EYY or EZZ, or a column of deviations",
+        )
+
+
+def _check_reached(table: LooseTable, position: np.ndarray, value: np.ndarray) -> None:
+    """Refuse positions (P,) mm that were missed by more than any axis misses, `value` um."""
+    far = np.abs(value) > 1e3 * LARGEST_MM
+    if far.any():
+        k = int(np.argmax(far))
+        raise table.source.error(
+            f"{position[k] + 1e-3 * value[k]:g} mm was reached where {position[k]:g} mm was the "
+            "target",
+            line=int(table.lines[k]),
+            accepted=f"positions within {LARGEST_MM:g} mm of their targets",
+            hint="--column deviation='HEADING' where the column holds deviations",
+        )
+
+
 def _readings(table: LooseTable, questions: Questions) -> Readings:
     """Every reading by itself, deviations as measured minus target."""
     position = table.complete("position")
     if "actual" in table.numbers:
         questions.used.add("deviation")  # both are there: no question
         value = 1e3 * (table.complete("actual") - position)
+        _check_reached(table, position, value)
         return Readings(position, value, _approach(table, position), table.lines)
     wanted = ("measured-target", "target-measured")
     sign = 1.0 if questions.told("deviation", wanted) == wanted[0] else -1.0

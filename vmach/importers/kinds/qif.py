@@ -1,5 +1,8 @@
 """QIF results: measured points, circles and cylinders of a part, with their nominals.
 
+A point whose place is that of a measured point that is not compensated is the centre of the probe's
+ball, and the surface lies a radius below it.
+
 Source: ISO 23952:2020 (QIF 3.0), schemas Features and Results.
 """
 
@@ -44,6 +47,7 @@ class QifResults(Importer):
             raise source.error(f"is a {local(root)}", line=1, accepted="a QIFDocument")
         factor = _factor(root, source)
         by_id = {e.get("id"): e for e in root.iter() if e.get("id")}
+        balls, centres = _balls(root), 0
         found, seen = [], set[str]()
         for element in _result(root, source, questions).iter():
             kind = local(element).removesuffix("FeatureMeasurement")
@@ -61,6 +65,10 @@ class QifResults(Importer):
             definition = by_id.get(_text(nominal, "FeatureDefinitionId"))
             own = _numbers(nominal, definition, kind, source)
             actual = _numbers(element, element, kind, source, like=own)
+            radius = balls.get(tuple(actual[:3])) if kind == "Point" else None
+            if radius is not None:
+                actual[:3] -= radius * own[3:6] / max(float(np.linalg.norm(own[3:6])), 1e-9)
+                centres += 1
             scale = np.array([factor] * 3 + [1.0] * 3 + [factor] * (len(own) - 6))
             found.append((label, "POINT" if kind == "Point" else kind, scale * own, scale * actual))
         if not found:
@@ -70,7 +78,8 @@ class QifResults(Importer):
                 accepted="MeasuredFeatures with FeatureItems and FeatureNominals",
                 hint="characteristics alone (diameters, positions) say no places",
             )
-        return features_imported(found, source, questions)
+        said = f"{centres} points are centres of the probe's ball: its radius is taken off"
+        return features_imported(found, source, questions, (said,) if centres else ())
 
 
 def _result(root: ET.Element, source: SourceFile, questions: Questions) -> ET.Element:
@@ -95,6 +104,18 @@ def _factor(root: ET.Element, source: SourceFile) -> float:
                                    accepted="metres per unit")  # fmt: skip
             return value
     return 1.0
+
+
+def _balls(root: ET.Element) -> dict[tuple[float, ...], float]:
+    """Radius of the probe's ball by the single points whose places are those of its centre."""
+    found: dict[tuple[float, ...], float] = {}
+    for one in root.iter():
+        if local(one) == "MeasuredPointSet" and _text(one, "Compensated") in ("false", "0"):
+            place = tuple(decimal_number(cell) for cell in _text(one, "Points").split()[:4])
+            radius = decimal_number(_text(one, "ProbeRadius"))
+            if len(place) == 3 and 0.0 < radius < 1e3:
+                found[place] = radius
+    return found
 
 
 def _text(element: ET.Element, name: str) -> str:

@@ -1,15 +1,16 @@
-"""Laser runs in Renishaw's own text file (``.rtl``): sections of targets, runs and deviations.
+"""Laser runs in Renishaw's own text files (``.rtl``, ``.rta``): targets, runs and deviations.
 
 The maker publishes no specification. What is read is what a public converter of such files to the
-tables of controls reads (Paolico, AxisCorection): the sections ``TARGET DATA``, ``USER-TEXT``,
-``RUNS`` and ``DEVIATIONS``, each headed by its name and two colons. A deviation is a line of run,
-target and value, in um where the run was linear.
+tables of controls reads (Paolico, AxisCorection): the sections ``HEADER``, ``TARGET DATA``,
+``USER-TEXT``, ``RUNS`` and ``DEVIATIONS``, each headed by its name and two colons. A deviation is a
+line of run, target and value: um in ``.rtl``, mrad in ``.rta``. Two public readers of ``.rta``,
+independent of each other, multiply by 206.264 and get arcseconds.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,7 +23,10 @@ from vmach.importers.source_file import SourceFile
 
 __all__ = ["RenishawRtl"]
 
-_TARGETS, _USER, _RUNS, _DEVIATIONS = "TARGET DATA", "USER-TEXT", "RUNS", "DEVIATIONS"
+_HEADER, _TARGETS, _USER, _RUNS, _DEVIATIONS = (
+    "HEADER", "TARGET DATA", "USER-TEXT", "RUNS", "DEVIATIONS")  # fmt: skip
+_LINEAR, _ANGULAR = "rtl", "rta"
+_URAD_PER_MRAD = 1e3
 _LARGEST = 1e6  #: mm or um: beyond it a number is none of this instrument's
 
 
@@ -35,11 +39,11 @@ class _Line:
 
 
 class RenishawRtl(Importer):
-    """Bidirectional linear runs; the order of a run's targets says from which side it came."""
+    """Bidirectional runs; the order of a run's targets says from which side it came."""
 
     name = "renishaw_rtl"
     title = "Laser runs in Renishaw's text file"
-    reads = ".rtl: TARGET DATA, RUNS and DEVIATIONS of linear runs, as a public converter reads it"
+    reads = ".rtl, .rta: TARGET DATA, RUNS and DEVIATIONS of linear and angular runs"
     rank = 12
     keys = LASER_KEYS
 
@@ -53,17 +57,21 @@ class RenishawRtl(Importer):
                 raise source.error(
                     f"no section {name}::", accepted=f"{_TARGETS}::, {_DEVIATIONS}::"
                 )
+        kinds = {_word(sections, _HEADER, "File type").lower(), source.suffix[1:]}
+        is_angular = _ANGULAR in kinds
         axis = _word(sections, _USER, "Axis").upper()
-        said = f"E{axis}{axis}" if axis in ("X", "Y", "Z") else None
+        is_positioning = axis in ("X", "Y", "Z") and _LINEAR in kinds and not is_angular
+        said = f"E{axis}{axis}" if is_positioning else None
         component = component_question(source, questions, said=said)
-        if unit_of(component) != "um":
+        if (unit_of(component) == "urad") != is_angular:
             raise source.error(
-                f"{component} is an angle, and the file does not say its unit",
-                accepted="positioning or straightness, in um",
-                hint="export angular runs as CSV with the unit in the heading",
+                f"{component}, and the runs are {'angular' if is_angular else 'linear'}",
+                accepted="a rotation, as EBX" if is_angular else "a displacement, as EXX or EYX",
             )
         targets = _target_positions(sections[_TARGETS], source)
         readings = _readings(sections, targets, source)
+        if is_angular:
+            readings = replace(readings, value=_URAD_PER_MRAD * readings.value)
         return table_imported(readings, component, source, questions)
 
 

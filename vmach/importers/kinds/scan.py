@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 
 import numpy as np
 
@@ -57,7 +58,7 @@ def coordinates(source: SourceFile, *, least: int) -> np.ndarray:
     """
     rows: list[list[float]] = []
     for number, line in enumerate(source.lines, 1):
-        words = line.replace(";", " ").replace(",", " ").split()
+        words = _words(line)
         if not words or line.lstrip().startswith(("#", "//")):
             continue
         values = [decimal_number(word) for word in words[:least]]
@@ -71,6 +72,14 @@ def coordinates(source: SourceFile, *, least: int) -> np.ndarray:
     if not rows:
         raise source.error("no points in the file", accepted="three numbers a line")
     return np.array(rows)
+
+
+def _words(line: str) -> list[str]:
+    """Numbers of a line between blanks, semicolons or commas; else commas are decimal ones."""
+    words = line.replace(";", " ").split()
+    if len(words) > 2 and all(re.fullmatch(r"[+-]?\d*(,\d+)?", word) for word in words):
+        return [word.replace(",", ".") for word in words]
+    return line.replace(";", " ").replace(",", " ").split()
 
 
 def _ply(source: SourceFile) -> np.ndarray:

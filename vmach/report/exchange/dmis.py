@@ -67,7 +67,10 @@ def _nominal(label: str, result: FeatureResult) -> str:
     word = _word(result)
     if result.lower_mm is not None:
         low, high = (limit - result.nominal_mm for limit in (result.lower_mm, result.upper_mm))
-        return f"T({label})=TOL/{word},{low:.6f},{high:.6f}"
+        limits = f"{low:.6f},{high:.6f}"
+        if word == "DISTB":
+            limits = f"NOMINL,{result.nominal_mm:.6f},{limits},PT2PT,AVG"
+        return f"T({label})=TOL/{word},{limits}"
     parts = [f"{result.upper_mm:.6f}"]
     if word == "POS":
         parts = ["3D" if result.unit.startswith("S") else "2D", *parts, "RFS"]

@@ -248,9 +248,15 @@ def _results(
         number = _text(one, "Value", _length(value.value_mm))
         if value.u_mm is not None:
             number.set("combinedUncertainty", _length(value.u_mm))
-    failed = any(reported(r).verdict is Verdict.FAILS for r in shown)
     told = ET.SubElement(made, "InspectionStatus")
-    _text(told, "InspectionStatusEnum", "FAIL" if failed else "PASS")
+    _text(told, "InspectionStatusEnum", _status_of_part({reported(r).verdict for r in shown}))
+
+
+def _status_of_part(verdicts: set[Verdict]) -> str:
+    """Of all requirements together: a part passes where all of them conform."""
+    if Verdict.FAILS in verdicts:
+        return "FAIL"
+    return "UNKNOWN" if Verdict.OPEN in verdicts else "PASS"
 
 
 def _length(length_mm: float) -> str:
