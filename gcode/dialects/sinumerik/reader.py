@@ -202,7 +202,7 @@ class SinumerikReader(Translated):
                 return
         self.units.select(words)
         self.tools.change(words)
-        self.poles.obey(words, g_codes)
+        self.poles.obey(words, g_codes, is_special=arc is not None)
         self.motion.opening_angle(words, g_codes)
         if self.approach.obey(words, g_codes):
             return
