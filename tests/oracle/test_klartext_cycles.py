@@ -152,6 +152,26 @@ def test_patterns_lie_where_the_manual_says():
     assert defined == pytest.approx(np.array([[25, 33.5], [0, 5], [8, 5], [16, 5]]))
 
 
+# "serves as an additional datum shift"; "in addition to the workpiece surface Q203"
+@pytest.mark.parametrize(
+    "call",
+    ["CYCL CALL POS X+10 Y+10 Z+5 FMAX", "PATTERN DEF POS1 (X+10 Y+10 Z+5)\nCYCL CALL PAT FMAX"],
+)
+@pytest.mark.parametrize("surface", [0.0, 3.0, -20.0])
+def test_z_of_a_place_raises_the_surface_of_the_cycle(call, surface):
+    drill = f"CYCL DEF 200 DRILLING Q200=2 Q201=-8 Q206=99 Q202=8 Q203={surface} Q204=20\n"
+    places = read(drill + call).moves.end_mm - [0, 0, 100]
+    assert places[:, 2].min() == pytest.approx(surface + 5.0 - 8.0)
+    assert places[-1, 2] == pytest.approx(surface + 5.0 + 20.0)
+
+
+def test_z_of_a_place_beside_a_cycle_without_a_surface_is_refused():
+    old = "CYCL DEF 1.0 PECKING\nCYCL DEF 1.1 SET UP2\nCYCL DEF 1.2 DEPTH-9\nCYCL DEF 1.3 PECKG3\n"
+    body = old + "CYCL DEF 1.4 DWELL0\nCYCL DEF 1.5 F100\nCYCL CALL POS X+1 Y+1 Z+4 FMAX"
+    with pytest.raises(ProgramError, match=r"part.h:10: CYCL CALL POS with Z\+4"):
+        read(body)
+
+
 def test_mirror_image_rotation_and_shift():
     body = (
         "CYCL DEF 7.0 DATUM SHIFT\nCYCL DEF 7.1 X+100\nCYCL DEF 7.2 Y+50\n"
