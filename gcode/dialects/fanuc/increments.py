@@ -89,7 +89,7 @@ def _lengths(runner: BlockRunner, block: MacroBlock) -> set[str]:
     letters = set("xyzijkrq")
     if block.has(51):
         letters -= set("ijk")
-    if runner.is_drilling(block):
+    if runner.is_drilling(block) and not runner.settings.haas_cycles:
         letters.discard("k")  # how often
     return letters
 
