@@ -168,6 +168,21 @@ def test_dwell_without_a_point(increment, seconds, unit, word):
     assert moves.duration_s.sum() == pytest.approx(seconds)
 
 
+# B-63324EN, section 4.16: Q of G5.1 is a mode
+@pytest.mark.parametrize("increment", ["IS-B", None])
+def test_mode_of_look_ahead_is_no_length(increment):
+    program = read(
+        "O1\nG5.1 Q2 X0 Y0 Z0\nG0 X1.\nM30\n", control=ControlSettings(increment=increment)
+    )
+    assert program.moves.end_mm[-1, 0] == 1.0
+    assert not any(note.word == "increment" for note in program.notes)
+
+
+# B-64484EN "Direct drawing dimension programming": ,A is the angle of a line, no radius
+def test_angle_of_a_line_is_no_corner():
+    assert ",A (the angle of a line)" in refusal("O1\nG1 X20. ,A3. F99.\nY20.\nM30\n")
+
+
 # B-64484EN-2 "Canned cycle": K is the number of repeats
 @pytest.mark.parametrize("fast", [False, True])
 @pytest.mark.parametrize("increment", ["IS-B", None])

@@ -81,7 +81,10 @@ def read_words(text: str, variables: Variables) -> MacroBlock:
     while reader.position < len(text):
         comma = reader.accept(",")
         letter = reader.peek()
-        if not ("a" <= letter <= "z") or (comma and letter not in ("r", "c", "a")):
+        if comma and letter == "a":
+            raise ProgramError(",A (the angle of a line) is not read", accepted=",R and ,C",
+                               hint="post the program with the line's end")  # fmt: skip
+        if not ("a" <= letter <= "z") or (comma and letter not in ("r", "c")):
             raise ProgramError(
                 f"cannot read '{text[reader.position :]}'",
                 accepted="letters with numbers or variables, ,R and ,C",

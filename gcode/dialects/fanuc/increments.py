@@ -89,6 +89,8 @@ def _lengths(runner: BlockRunner, block: MacroBlock) -> set[str]:
     letters = set("xyzijkrq")
     if block.has(51):
         letters -= set("ijk")
+    if block.has(5.1):
+        letters.discard("q")  # which mode
     if runner.is_drilling(block) and not runner.settings.haas_cycles:
         letters.discard("k")  # how often
     return letters
