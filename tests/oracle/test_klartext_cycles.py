@@ -265,6 +265,22 @@ def test_an_approach_by_an_arc_and_its_tangent():
     assert (end - centre) @ (end - [-40, -30]) == pytest.approx(0, abs=1e-6)
 
 
+def test_a_polar_approach_goes_to_the_same_point():
+    body = "L X-40 Y-10 R0 FMAX\nCC X+10 Y+0\nAPPR {} R10 RL F300 M8\n{}DEP {} R8 M9\n"
+    square = "LP PR+41.231056256 PA+104.036243468\nL X+40 Y+40\nL Y+0\nL X+0\n"
+    polar = read(body.format("PLCT PR+10 PA+180", square, "PLCT PR+30 PA-90"))
+    plain = read(body.format("LCT X+0 Y+0", SQUARE, "LCT X+10 Y-30"))
+    assert polar.moves.end_mm == pytest.approx(plain.moves.end_mm, abs=1e-6)
+    assert {"M8", "M9"} <= {note.word for note in polar.notes}
+
+
+def test_a_departure_behind_a_tangent_arc():
+    found = feeds(
+        "L X-40 Y-10 R0 FMAX\nAPPR LN X+0 Y+0 LEN15 RL F300\nL Y+40\nCT X+20 Y+60\nDEP LT LEN10"
+    )
+    assert found[-2:] == [[20, 65], [30, 65]]
+
+
 def test_an_approach_needs_a_contour_behind_it():
     with pytest.raises(ProgramError, match="APPR needs a line L"):
         read("L X-40 Y-10 R0 FMAX\nAPPR LT X+0 Y+0 LEN15 RL F300\nSTOP M0")
