@@ -136,3 +136,53 @@ def test_block_skip():
     body = "G0 X1\n/X2\n/2 X3"
     assert places(body)[-1][0] == 3
     assert places(body, control=ControlSettings(block_delete=True))[-1][0] == 1
+
+
+# Job Planning, "Modal subprogram call (MCALL)": behind every block with a path motion
+MODAL = """%_N_M_MPF
+G17 G90 G54 G0 X0 Y0 Z10 F100
+MCALL {call}
+{moves}
+MCALL
+G0 X90
+M30
+%_N_L70_SPF
+PROC L70(REAL D=5)
+G91 G1 Z=-D
+G0 Z=D
+G90
+M17
+"""
+
+
+@pytest.mark.parametrize(
+    ("call", "depth"), [("L70", 5.0), ("L70(5)", 5.0), ("L70(7)", 7.0), ("L70()", 5.0)]
+)
+@pytest.mark.parametrize(
+    ("moves", "places"),
+    [("X10\nR1=3\nX20 Y5", [[10, 0], [20, 5]]),
+     ("HOLES1(1,2,0,10,10,3)", [[11, 2], [21, 2], [31, 2]]),
+     ("HOLES2(0,0,10,0,90,4)\nX50", [[10, 0], [0, 10], [-10, 0], [0, -10], [50, -10]])],
+)  # fmt: skip
+def test_a_subprogram_is_called_behind_every_move(call, depth, moves, places):
+    text = MODAL.format(call=call, moves=moves)
+    found = read_program(Source(text.encode(), "part.mpf"), dialect="sinumerik").moves
+    fed = found.end_mm[found.at_feed]
+    assert np.allclose(fed, [[*place, 10.0 - depth] for place in places])
+    assert found.end_mm[-1, 0] == 90.0
+
+
+def test_a_pattern_with_a_subprogram_that_fails_is_told_by_its_line():
+    text = MODAL.format(call="L70", moves="HOLES1(1,2,0,10,10,3)").replace("G91 G1", "G91 G1 Q=5")
+    with pytest.raises(ProgramError, match=r"part.mpf:(4|10):"):
+        read_program(Source(text.encode(), "part.mpf"), dialect="sinumerik")
+
+
+# SINUMERIK, Cycles: G functions that are active before a cycle is called remain active beyond it
+@pytest.mark.parametrize("call", ["L70", "CYCLE81(10,0,2,-5)"])
+@pytest.mark.parametrize("pattern", ["HOLES1(0,0,0,10,10,2)", "CYCLE801(0,0,0,10,10,2,1)"])
+def test_modes_stay_behind_a_pattern(call, pattern):
+    text = MODAL.format(call=f"{call}\nG91 G1", moves=f"{pattern}\nMCALL\nX5")
+    found = read_program(Source(text.encode(), "part.mpf"), dialect="sinumerik").moves
+    assert found.end_mm[-2] == pytest.approx([found.end_mm[-3, 0] + 5.0, 0.0, 10.0])
+    assert found.at_feed[-2]
