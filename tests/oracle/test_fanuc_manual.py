@@ -152,6 +152,12 @@ def test_angles_in_the_plane_have_no_increment_of_lengths(turned, unit, radius_m
     assert end == pytest.approx([radius_mm * math.sqrt(0.5)] * 2 + [0.0], abs=1e-6)
 
 
+# B-63324EN, "Relationship with three-dimensional coordinate conversion"
+def test_a_rotation_about_an_axis_in_space_is_refused():
+    said = refusal("O1\nG0 X0\nG68 X0 Y0 Z0 I0 J1. K0 R30.\nG1 X9. F9.\nM30\n")
+    assert "part.nc:3: G68 with I J K" in said
+
+
 def test_unit_of_the_block_is_that_of_its_numbers():
     text = "O1\nG21 G0 X0\nG20 X10000\nM30\n"
     assert last(text, control=ControlSettings(increment="IS-B"))[0] == pytest.approx(25.4)
