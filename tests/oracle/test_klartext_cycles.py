@@ -274,6 +274,15 @@ def test_a_polar_approach_goes_to_the_same_point():
     assert {"M8", "M9"} <= {note.word for note in polar.notes}
 
 
+def test_rounding_at_an_end_of_the_compensation_is_noted():
+    """TNC 406, TNC 416, page 91: RND behind the first and last block with RL is an approach."""
+    square = "L X-40 Y-10 R0 FMAX\nL X+0 Y+0 RL F300\n{}" + SQUARE + "{}L X-40 Y-30 R0\n"
+    for body in (square.format("RND R8\n", ""), square.format("", "RND R8\n")):
+        assert any("APPR LCT" in note.meaning for note in read(body).notes)
+    inside = square.format("", "").replace("L X+40\n", "L X+40\nRND R8\n")
+    assert not any("APPR LCT" in note.meaning for note in read(inside).notes)
+
+
 def test_a_departure_behind_a_tangent_arc():
     found = feeds(
         "L X-40 Y-10 R0 FMAX\nAPPR LN X+0 Y+0 LEN15 RL F300\nL Y+40\nCT X+20 Y+60\nDEP LT LEN10"

@@ -131,7 +131,9 @@ class KlartextMotion:
             reader.controller.use(f"M{code}")
         if 140 in codes:
             self._retract(words)
-        reader.execute(self._side(words))
+        side = self._side(words)
+        self._note_ends(side)
+        reader.execute(side)
         blocks = self._line(head, words, codes) if head in ("L", "LP") else self._arc(head, words)
         reader.execute(*before, blocks)
         if blocks or self.corners.waiting is None:
@@ -172,6 +174,19 @@ class KlartextMotion:
         if wanted and c.side:
             raise ProgramError("RL and RR without R0 between them")
         return f"g{41 if wanted > 0 else 42}d{c.tool}" if wanted else "g40"
+
+    def _note_ends(self, side: str) -> None:
+        """RND at the first or last point under compensation: an arc of approach on old controls.
+
+        HEIDENHAIN TNC 406, TNC 416, User's Manual, page 91.
+        """
+        begins = side[:3] in ("g41", "g42") and self.corners.is_next("RND")
+        if begins or (side == "g40" and self.corners.corner is not None):
+            self.reader.noted(
+                "RND",
+                "the corner is rounded; TNC 406 and older approach or leave the contour on this "
+                "arc, as APPR LCT and DEP LCT do",
+            )
 
     def _line(self, head: str, words: Words, codes: list[int]) -> str:
         rapid = "FMAX" in words
