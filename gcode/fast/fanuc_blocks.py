@@ -36,7 +36,7 @@ __all__ = ["obey_fanuc"]
     GROUPS.index(name) for name in ("motion", "plane", "distance", "feed_mode", "units",
                                     "tool_length", "retract", "system"))  # fmt: skip
 _F, _H, _S, _T, _X = (ord(letter) - ord("a") for letter in "fhstx")
-_OF_F, _OF_H, _OF_P, _OF_S, _OF_T, _OF_D = (bit(letter) for letter in "fhpstd")
+_OF_F, _OF_H, _OF_K, _OF_P, _OF_S, _OF_T, _OF_D = (bit(letter) for letter in "fhkpstd")
 _TAKEN, _PLACE, _AXES, _IJK = bit("fhst"), bit("xyz"), bit("xyzabc"), bit("ijk")
 _MOVING, _ARC_END = bit("xyzabcijkr"), bit("xyzijkr")
 _LENGTHS, _ANGLES = bit("xyzijkrq"), bit("abc")
@@ -48,7 +48,9 @@ _LARGEST_SPEED, _LEAST_FEED = 999_999.0, 1e-4
 @njit_part
 def _count_increments(w, s):  # pragma: no cover - compiled
     """Numbers without a point in the increments of the control; False where that has to be told."""
-    pointless = w.pointless & (_LENGTHS | _ANGLES)
+    pointless, code = w.pointless & (_LENGTHS | _ANGLES), w.group[_MOTION]
+    if (code < 0 and s.cycle) or (code > _COUNTER and code != _CANCEL):
+        pointless &= ~_OF_K  # how often
     for letter in range(26 if pointless else 0):
         flag = 1 << letter
         if pointless & flag:

@@ -36,7 +36,7 @@ def fanuc_cycle(w, s, out, code, left):  # pragma: no cover - compiled
     """
     first = 0 if s.plane == 1 else 1 if s.plane == 2 else 2
     second, axial = (first + 1) % 3, (first + 2) % 3
-    if left & ~_KNOWN:
+    if left & ~_KNOWN or (left & _OF_K and not s.repeats_in_k):
         return False
     if not s.cycle:
         s.cycle_initial = s.position[axial]
@@ -102,7 +102,7 @@ def _pecks(s, out, code, axial, clearance):  # pragma: no cover - compiled
     """The pecks but the last; tells whether they are few enough."""
     r, bottom, q = s.cycle_r, s.cycle_bottom, 0.0 if np.isnan(s.cycle_q) else abs(s.cycle_q)
     if q == 0.0:
-        return True
+        return code == _TAP
     down, count = 1.0 if bottom > r else -1.0, abs(bottom - r) / q
     if count > _MOST_PECKS:
         return False

@@ -33,7 +33,7 @@ STATE = np.dtype([
     ("cycle", "i8"), ("h", "f8"), ("length_sign", "i8"),
     ("increment", "f8"), ("degree_increment", "f8"),
     ("takes_pointless", "i8"), ("peck_clearance", "f8"), ("pointed_p_is_seconds", "i8"),
-    ("dwell_p_s", "f8"),
+    ("dwell_p_s", "f8"), ("repeats_in_k", "i8"),
     # accepted radii of arcs, see `ArcTolerance`
     ("zero_radius", "f8"), ("allowed", "f8"), ("ceiling", "f8"), ("relative", "f8"),
     # what has been written so far

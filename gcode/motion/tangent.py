@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from gcode.errors import ProgramError
 from gcode.state.record import Record
 
-__all__ = ["tangent_centre"]
+__all__ = ["centre_behind", "tangent_centre"]
 
 _STRAIGHT = 1e-12
 
@@ -34,7 +34,26 @@ def tangent_centre(
     ProgramError
         There is no direction, or the end lies straight ahead.
     """
-    heading = _heading(record, unit_mm)
+    return centre_behind(_heading(record, unit_mm), start, end)
+
+
+def centre_behind(
+    heading: Sequence[float], start: Sequence[float], end: Sequence[float]
+) -> tuple[float, float, float]:
+    """Centre of the arc that leaves a point in a direction, and its sense as `tangent_centre`.
+
+    Parameters
+    ----------
+    heading : (2,) sequence of float
+        Unit direction at the start.
+    start, end : sequence of float
+        X and Y first.
+
+    Raises
+    ------
+    ProgramError
+        The end lies straight ahead.
+    """
     out = end[0] - start[0], end[1] - start[1]
     across = heading[0] * out[1] - heading[1] * out[0]
     if abs(across) < _STRAIGHT:

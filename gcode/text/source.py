@@ -90,6 +90,14 @@ class Source:
                 line=line,
                 accepted="a text in ASCII, Latin-1 or UTF-8",
             )
+        if b"\n" not in data and b"\r" in data.rstrip():
+            raise ProgramError(
+                "its lines end with carriage returns alone",
+                file=path,
+                line=1,
+                accepted="lines that end with LF or CR LF",
+                hint="write the file again with an editor that has this choice",
+            )
         source = cls(data, path)
         # most programs have no line that is long enough
         longest = np.diff(source.line_starts).max(initial=0)

@@ -141,6 +141,89 @@ def test_inches_and_angles_without_a_point():
     assert moves.rotary_end_deg[-1, 0] == pytest.approx(90.0)
 
 
+# B-64113EN 11.12: R of G68 has 0.001 degree, in inches too; the same for the angle of G16.
+# B-64484EN-2 "Polar coordinate command".
+@pytest.mark.parametrize("turned", ["G68 X0 Y0 R45000\nG1 X10000 F10.", "G16 G1 X10000 Y45000 F10.",
+                                    "G16\nG1 X10000 Y45000 F10."])  # fmt: skip
+@pytest.mark.parametrize(("unit", "radius_mm"), [("G21", 10.0), ("G20", 25.4)])
+def test_angles_in_the_plane_have_no_increment_of_lengths(turned, unit, radius_mm):
+    control = ControlSettings(increment="IS-B")
+    end = last(f"O1\n{unit} G17 G90 G0 X0 Y0\n{turned}\nM30\n", control=control)
+    assert end == pytest.approx([radius_mm * math.sqrt(0.5)] * 2 + [0.0], abs=1e-6)
+
+
+# B-63324EN, "Relationship with three-dimensional coordinate conversion"
+def test_a_rotation_about_an_axis_in_space_is_refused():
+    said = refusal("O1\nG0 X0\nG68 X0 Y0 Z0 I0 J1. K0 R30.\nG1 X9. F9.\nM30\n")
+    assert "part.nc:3: G68 with I J K" in said
+
+
+def test_unit_of_the_block_is_that_of_its_numbers():
+    text = "O1\nG21 G0 X0\nG20 X10000\nM30\n"
+    assert last(text, control=ControlSettings(increment="IS-B"))[0] == pytest.approx(25.4)
+
+
+# "Command value range of the dwell time (command by X)": IS-B 0.001 s, IS-C 0.0001 s, with any
+# unit of length (Siemens, SINUMERIK ISO Milling, 04.07, table 3-7; FANUC B-64484EN)
+@pytest.mark.parametrize(("increment", "seconds"), [("IS-B", 2.5), ("IS-C", 0.25)])
+@pytest.mark.parametrize("unit", ["G20", "G21"])
+@pytest.mark.parametrize("word", ["X2500", "U2500"])
+def test_dwell_without_a_point(increment, seconds, unit, word):
+    control = ControlSettings(increment=increment)
+    moves = read(f"O1\n{unit} G0 X1.\nG4 {word}\nM30\n", control=control).moves
+    assert moves.duration_s.sum() == pytest.approx(seconds)
+
+
+# B-63324EN, section 4.16: Q of G5.1 is a mode
+@pytest.mark.parametrize("increment", ["IS-B", None])
+def test_mode_of_look_ahead_is_no_length(increment):
+    program = read(
+        "O1\nG5.1 Q2 X0 Y0 Z0\nG0 X1.\nM30\n", control=ControlSettings(increment=increment)
+    )
+    assert program.moves.end_mm[-1, 0] == 1.0
+    assert not any(note.word == "increment" for note in program.notes)
+
+
+# B-64484EN "Direct drawing dimension programming": ,A is the angle of a line, no radius
+def test_angle_of_a_line_is_no_corner():
+    assert ",A (the angle of a line)" in refusal("O1\nG1 X20. ,A3. F99.\nY20.\nM30\n")
+
+
+# B-64484EN-2 "Canned cycle": K is the number of repeats
+@pytest.mark.parametrize("fast", [False, True])
+@pytest.mark.parametrize("increment", ["IS-B", None])
+def test_repetitions_of_a_cycle_are_no_length(increment, fast):
+    text = "O1\nG21 G90 G0 X0. Y0. Z50.\nG91 G99 G81 X10. Z-5. R-48. F100 K3\nX1. K2\nG80\nM30\n"
+    program = read(text, control=ControlSettings(increment=increment), fast=fast)
+    bottoms = program.moves.end_mm[program.moves.end_mm[:, 2] < 0.0]
+    assert bottoms[:, 0].tolist() == pytest.approx([10.0, 20.0, 30.0, 31.0, 32.0])
+    assert not any(note.word == "increment" for note in program.notes)
+
+
+# B-63684EN 16.7.1: "The units used for argument data passed without a decimal point correspond
+# to the least input increment of each address"; M is #13, whatever its value
+@pytest.mark.parametrize(
+    ("increment", "arguments", "end"),
+    [("IS-B", "X10000 Y-2. D3", [10.0, -2.0, 3.0]), ("IS-B", "X1. Y.5 D2.", [1.0, 0.5, 2.0]),
+     ("IS-C", "I10000 I20000 D3", [0.0, 0.0, 3.0]), (None, "X10 Y-2. D3", [10.0, -2.0, 3.0])],
+)  # fmt: skip
+def test_arguments_without_a_point(increment, arguments, end):
+    text = f"O1\nG65 P2 {arguments}\nM30\nO2\nG0 X#24 Y#25 Z#7\nM99\n"
+    assert last(text, control=ControlSettings(increment=increment)) == pytest.approx(end)
+
+
+@pytest.mark.parametrize("call", ["G65 P2 M7. Y3.", "G65 P2 Y3. M7", "G66 P2 M7. Y3.\nG0 X1."])
+def test_m_of_a_macro_call_is_an_argument(call):
+    assert last(f"O1\n{call}\nM30\nO2\nG0 X#13 Y#25\nM99\n") == [7.0, 3.0, 0.0]
+
+
+def test_fraction_in_m_of_a_macro_call():
+    """Renishaw's cycles take a tolerance in M."""
+    assert last("O1\nG65 P2 D50. M.2\nM30\nO2\nG0 X#13 Y#7\nM99\n") == [0.2, 50.0, 0.0]
+    assert "M code beside a macro call" in refusal("O1\nM8 G65 P2\nM30\nO2\nM99\n")
+    assert refusal("O1\nG65 P2 M77.\nM88\nM30\nO2\nM99\n").count("M77") == 0
+
+
 # B-64484EN-2 6.7: start-up type A, cancel, corners
 POCKET = """O1
 T1 M6

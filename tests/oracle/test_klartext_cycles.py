@@ -152,6 +152,26 @@ def test_patterns_lie_where_the_manual_says():
     assert defined == pytest.approx(np.array([[25, 33.5], [0, 5], [8, 5], [16, 5]]))
 
 
+# "serves as an additional datum shift"; "in addition to the workpiece surface Q203"
+@pytest.mark.parametrize(
+    "call",
+    ["CYCL CALL POS X+10 Y+10 Z+5 FMAX", "PATTERN DEF POS1 (X+10 Y+10 Z+5)\nCYCL CALL PAT FMAX"],
+)
+@pytest.mark.parametrize("surface", [0.0, 3.0, -20.0])
+def test_z_of_a_place_raises_the_surface_of_the_cycle(call, surface):
+    drill = f"CYCL DEF 200 DRILLING Q200=2 Q201=-8 Q206=99 Q202=8 Q203={surface} Q204=20\n"
+    places = read(drill + call).moves.end_mm - [0, 0, 100]
+    assert places[:, 2].min() == pytest.approx(surface + 5.0 - 8.0)
+    assert places[-1, 2] == pytest.approx(surface + 5.0 + 20.0)
+
+
+def test_z_of_a_place_beside_a_cycle_without_a_surface_is_refused():
+    old = "CYCL DEF 1.0 PECKING\nCYCL DEF 1.1 SET UP2\nCYCL DEF 1.2 DEPTH-9\nCYCL DEF 1.3 PECKG3\n"
+    body = old + "CYCL DEF 1.4 DWELL0\nCYCL DEF 1.5 F100\nCYCL CALL POS X+1 Y+1 Z+4 FMAX"
+    with pytest.raises(ProgramError, match=r"part.h:10: CYCL CALL POS with Z\+4"):
+        read(body)
+
+
 def test_mirror_image_rotation_and_shift():
     body = (
         "CYCL DEF 7.0 DATUM SHIFT\nCYCL DEF 7.1 X+100\nCYCL DEF 7.2 Y+50\n"
@@ -243,6 +263,31 @@ def test_an_approach_by_an_arc_and_its_tangent():
     end, centre = moves.end_mm[feed[-2], :2], moves.centre_mm[feed[-2], :2]
     assert centre == pytest.approx([0, -13])
     assert (end - centre) @ (end - [-40, -30]) == pytest.approx(0, abs=1e-6)
+
+
+def test_a_polar_approach_goes_to_the_same_point():
+    body = "L X-40 Y-10 R0 FMAX\nCC X+10 Y+0\nAPPR {} R10 RL F300 M8\n{}DEP {} R8 M9\n"
+    square = "LP PR+41.231056256 PA+104.036243468\nL X+40 Y+40\nL Y+0\nL X+0\n"
+    polar = read(body.format("PLCT PR+10 PA+180", square, "PLCT PR+30 PA-90"))
+    plain = read(body.format("LCT X+0 Y+0", SQUARE, "LCT X+10 Y-30"))
+    assert polar.moves.end_mm == pytest.approx(plain.moves.end_mm, abs=1e-6)
+    assert {"M8", "M9"} <= {note.word for note in polar.notes}
+
+
+def test_rounding_at_an_end_of_the_compensation_is_noted():
+    """TNC 406, TNC 416, page 91: RND behind the first and last block with RL is an approach."""
+    square = "L X-40 Y-10 R0 FMAX\nL X+0 Y+0 RL F300\n{}" + SQUARE + "{}L X-40 Y-30 R0\n"
+    for body in (square.format("RND R8\n", ""), square.format("", "RND R8\n")):
+        assert any("APPR LCT" in note.meaning for note in read(body).notes)
+    inside = square.format("", "").replace("L X+40\n", "L X+40\nRND R8\n")
+    assert not any("APPR LCT" in note.meaning for note in read(inside).notes)
+
+
+def test_a_departure_behind_a_tangent_arc():
+    found = feeds(
+        "L X-40 Y-10 R0 FMAX\nAPPR LN X+0 Y+0 LEN15 RL F300\nL Y+40\nCT X+20 Y+60\nDEP LT LEN10"
+    )
+    assert found[-2:] == [[20, 65], [30, 65]]
 
 
 def test_an_approach_needs_a_contour_behind_it():

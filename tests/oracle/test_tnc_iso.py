@@ -177,3 +177,87 @@ def test_it_is_not_written_back(tmp_path):
 
     with pytest.raises(InputError, match="DIN/ISO are read, not written back"):
         target_control("tnciso", None, file=tmp_path / "part.i")
+
+
+HEXAGON = """%HEX G71 *
+N40 T1 G17 S4000 *
+N50 G00 G40 G90 Z+250 *
+N60 I+50 J+50 *
+N70 G10 R+60 H+180 *
+N80 G01 Z-5 F1000 M3 *
+N90 G11 G41 R+45 H+180 F250 *
+N100 G26 R5 F150 *
+N110 H+120 *
+N120 H+60 *
+N130 H+0 *
+N140 H-60 *
+N150 H-120 *
+N160 H+180 *
+N170 G27 R5 F500 *
+N180 G40 R+60 H+180 F1000 *
+N190 G00 Z+250 M2 *
+N99999999 %HEX G71 *
+"""
+
+
+def cutting(text, radius):
+    tools = {1: ToolEntry(0.0, 2.0 * radius)}
+    moves = read_program(Source(text.encode(), "part.i"), tools=tools, dialect="tnciso").moves
+    feed = moves.at_feed & (np.abs(moves.end_mm - moves.start_mm)[:, :2].max(axis=1) > 1e-9)
+    return moves.start_mm[feed, :2], moves.end_mm[feed, :2], moves.centre_mm[feed, :2]
+
+
+# TNC 320 (34055x-06), User's Manual for DIN/ISO Programming, 5/2013, page 172: G26 and G27 go on
+# an arc between the contour's point and the start or end, which is tangent to the contour
+@pytest.mark.parametrize("radius", [2.0, 5.0, 10.0])
+def test_a_contour_is_approached_and_left_on_tangent_arcs(radius):
+    starts, ends, centres = cutting(HEXAGON, radius)
+    along = np.array([np.sin(np.radians(30)), np.cos(np.radians(30))])  # first side, upwards
+    left = np.array([-along[1], along[0]])
+    contact = [5.0, 50.0] + radius * left
+    assert ends[1] == pytest.approx(contact)
+    assert centres[1] == pytest.approx(contact + 5.0 * left)
+    out = ends[0] - centres[1]
+    assert np.hypot(*out) == pytest.approx(5.0)
+    assert out @ (ends[0] - starts[0]) == pytest.approx(0.0, abs=1e-6)
+    # the hexagon is symmetric, and so are its approach and departure
+    mirrored = [[1.0, -1.0]] * (ends[-2:] - [0.0, 50.0]) + [0.0, 50.0]
+    assert mirrored == pytest.approx(np.array([ends[0], [-10.0, 50.0]]))
+    assert starts[-2] == pytest.approx(contact * [1.0, -1.0] + [0.0, 100.0])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [("N90 G11 G41 R+45", "N90 G11 R+45", "part.i:8: G26 behind no block with G41 or G42"),
+     ("N180 G40 R", "N180 R", "part.i:16: G27 without G40")],
+)  # fmt: skip
+def test_an_arc_of_approach_or_departure_needs_its_block(old, new, says):
+    with pytest.raises(ProgramError, match=says):
+        cutting(HEXAGON.replace(old, new), 5.0)
+
+
+# TNC 407 (280 580), ISO Programming, page 5-25, "Circular arc connecting to a straight line"
+CONNECTING = """%S525I G71 *
+N40 T1 G17 S1000 *
+N50 G00 G40 G90 Z+100 M06 *
+N60 X+30 Y-30 *
+N70 Z-15 M03 *
+N80 G01 G41 X+50 Y+0 F100 *
+N90 X+10 Y+40 *
+N100 G06 X+50 Y+50 *
+N110 G01 X+100 *
+N120 G00 G40 X+130 Y+70 *
+N130 Z+100 M02 *
+N99999 %S525I G71 *
+"""
+
+
+@pytest.mark.parametrize("radius", [5.0, 20.0])
+def test_a_tangent_arc_goes_on_from_the_contour_under_compensation(radius):
+    starts, ends, centres = cutting(CONNECTING, radius)
+    centre = np.array([27.0, 57.0])  # as far from (10, 40), square to the line, as from (50, 50)
+    assert centres[2] == pytest.approx(centre)
+    out = np.hypot(17.0, 17.0) + radius
+    assert starts[2] == pytest.approx(centre + out * np.array([-1.0, -1.0]) / np.sqrt(2.0))
+    # the corner behind it is an inner one: where the circle meets the line beside Y+50
+    assert ends[2] == pytest.approx([27.0 + np.sqrt(out**2 - (radius - 7.0) ** 2), 50.0 + radius])

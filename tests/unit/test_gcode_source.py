@@ -92,3 +92,14 @@ def test_a_program_cut_short_is_noted(text, is_whole):
     notes = [n for n in read_program(Source(text, "part.nc")).notes if "cut short" in n.meaning]
     assert len(notes) == (not is_whole)
     assert all(n.line == len(text.splitlines()) for n in notes)
+
+
+@pytest.mark.parametrize("dialect", ["linuxcnc", "fanuc", "sinumerik", "heidenhain"])
+def test_lines_that_end_with_carriage_returns_alone_are_refused(tmp_path, dialect):
+    """As one line, all behind the first comment or program name would be lost in silence."""
+    path = tmp_path / "part.nc"
+    path.write_bytes(b"0 BEGIN PGM A MM ; a\r1 L X+1 F100\r2 END PGM A MM\r")
+    with pytest.raises(ProgramError, match=r"part.nc:1: its lines end with carriage returns alone"):
+        read_program(path, dialect=dialect)
+    path.write_bytes(b"G21 G90 G0 X1\r")
+    assert len(read_program(path).moves) == 1

@@ -1,4 +1,4 @@
-"""One block: its words with their values, in the increments of the control."""
+"""One block: its words with their values."""
 
 from __future__ import annotations
 
@@ -9,37 +9,10 @@ from gcode.dialects.fanuc.macro.expressions import MacroReader, Variables, is_nu
 from gcode.errors import ProgramError
 from gcode.text.expressions import value_of
 
-__all__ = ["INCREMENTS", "Increments", "MacroBlock", "read_words"]
+__all__ = ["MacroBlock", "read_words"]
 
-#: Words that count in least input increments where they have no decimal point.
-_LENGTHS = frozenset("xyzuvwijkrq")
-_ANGLES = frozenset("abc")
-
-
-@dataclass(frozen=True)
-class Increments:
-    """What a number without a decimal point counts (parameters 1013 ISx and 3401#0 DPI)."""
-
-    mm: float
-    inch: float
-    degree: float
-
-    def of(self, letter: str, *, unit_mm: float) -> float:
-        """Factor of a number of this letter."""
-        if letter in _ANGLES:
-            return self.degree
-        if letter not in _LENGTHS:
-            return 1.0
-        return self.mm if unit_mm == 1.0 else self.inch
-
-
-#: name of an increment system -> its increments; the calculator type takes numbers as they stand
-INCREMENTS = {
-    "IS-A": Increments(0.01, 0.001, 0.01),
-    "IS-B": Increments(0.001, 0.0001, 0.001),
-    "IS-C": Increments(0.0001, 0.00001, 0.0001),
-    "calculator": Increments(1.0, 1.0, 1.0),
-}
+#: they call a macro: letters behind them are its arguments, M too
+_CALLS = (65, 66)
 
 
 @dataclass
@@ -51,7 +24,9 @@ class MacroBlock:
     words : dict
         Lower-case letter -> value; of a letter that stands twice the last one.
     all_words : list of (str, float)
-        Every word but G and M, in the order of the text.
+        Every word but G and M, in the order of the text; M too where it is a macro's argument.
+    has_point : list of bool
+        Which of them have a decimal point, or no plain number.
     g, m : list of float
     pointless : set of str
         Letters whose number has no decimal point; a comma for ``,R`` and ``,C``.
@@ -61,6 +36,7 @@ class MacroBlock:
 
     words: dict[str, float] = field(default_factory=dict)
     all_words: list[tuple[str, float]] = field(default_factory=list)
+    has_point: list[bool] = field(default_factory=list)
     g: list[float] = field(default_factory=list)
     m: list[int] = field(default_factory=list)
     pointless: set[str] = field(default_factory=set)
@@ -105,7 +81,10 @@ def read_words(text: str, variables: Variables) -> MacroBlock:
     while reader.position < len(text):
         comma = reader.accept(",")
         letter = reader.peek()
-        if not ("a" <= letter <= "z") or (comma and letter not in ("r", "c", "a")):
+        if comma and letter == "a":
+            raise ProgramError(",A (the angle of a line) is not read", accepted=",R and ,C",
+                               hint="post the program with the line's end")  # fmt: skip
+        if not ("a" <= letter <= "z") or (comma and letter not in ("r", "c")):
             raise ProgramError(
                 f"cannot read '{text[reader.position :]}'",
                 accepted="letters with numbers or variables, ,R and ,C",
@@ -124,15 +103,16 @@ def read_words(text: str, variables: Variables) -> MacroBlock:
                 block.pointless.add(",")
         elif letter == "g":
             block.g.append(round(value, 1))
-        elif letter == "m":
+        elif letter == "m" and not block.has(*_CALLS):
             block.m.append(_whole(value, "M code"))
         elif letter != "n":
             block.words[letter] = value
             block.all_words.append((letter, value))
-            if literal.lstrip("+-").isdigit():
-                block.pointless.add(letter)
-            else:
+            block.has_point.append(not literal.lstrip("+-").isdigit())
+            if block.has_point[-1]:
                 block.pointless.discard(letter)
+            else:
+                block.pointless.add(letter)
     return block
 
 

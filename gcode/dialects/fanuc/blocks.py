@@ -6,11 +6,12 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING
 
-from gcode.dialects.fanuc.block import INCREMENTS, MacroBlock
+from gcode.dialects.fanuc.block import MacroBlock
 from gcode.dialects.fanuc.codes import NOTED, REFUSED
 from gcode.dialects.fanuc.cycles import CYCLES, DrillingCycle
 from gcode.dialects.fanuc.frame_words import HAAS_MIRROR, obey_frames
 from gcode.dialects.fanuc.haas_cycles import HAAS_CYCLES, haas_cycle
+from gcode.dialects.fanuc.increments import INCREMENTS, count_increments
 from gcode.dialects.fanuc.m_codes import obey_m_codes
 from gcode.dialects.fanuc.machine_moves import (
     dwell,
@@ -120,7 +121,7 @@ class BlockRunner(ProgrammedMotion):
 
     def obey(self, block: MacroBlock) -> bool:
         """Obey a block; tells whether it moved the axes."""
-        self._count_increments(block)
+        count_increments(self, block)
         self._refuse(block)
         self._note(block)
         after = obey_m_codes(self, block)
@@ -131,25 +132,6 @@ class BlockRunner(ProgrammedMotion):
                 self.finish_corner()
             self.in_order(f"m{30 if code in _ENDS else code}")
         return moved
-
-    def _count_increments(self, block: MacroBlock) -> None:
-        lengths = set("xyzijkrqabc") - (set("ijk") if block.has(51) else set())
-        letters = sorted(block.pointless & lengths & block.words.keys())
-        if not self.is_told and any(block.words[letter] for letter in letters):
-            word = next(letter for letter in letters if block.words[letter])
-            self._note_increments(f"{word.upper()}{block.words[word]:g}")
-        for letter in letters:
-            block.words[letter] *= self.increments.of(letter, unit_mm=self.controller.unit_mm)
-        if block.corner is not None and "," in block.pointless:
-            kind, size = block.corner
-            block.corner = (kind, size * self.increments.of("r", unit_mm=self.controller.unit_mm))
-
-    def _note_increments(self, word: str) -> None:
-        notes = self.controller.notes
-        if not any(name == "increment" for _, name in notes):
-            self.controller.note(
-                "increment", f"{word} has no decimal point and is read as it stands (calculator "
-                "type); where the control counts 0.001 mm, say increment = \"IS-B\"")  # fmt: skip
 
     def _refuse(self, block: MacroBlock) -> None:
         for code in block.g:
@@ -209,6 +191,13 @@ class BlockRunner(ProgrammedMotion):
         if not (block.words or block.g):
             return False
         return self._exactly(exact, lambda: self.interpolate(block, code))
+
+    def is_drilling(self, block: MacroBlock) -> bool:
+        """Whether a block has a cycle's words: of one that it says, or of the one in force."""
+        if self._own_motion(block) is not None:
+            return False
+        said = block.has(80.0, 0.0, 1.0, 2.0, 3.0)
+        return block.has(*CYCLES) or (self.cycle is not None and not said)
 
     def _exactly(self, exact: bool, move: Callable[[], bool]) -> bool:
         """Move with an exact stop where G9 asks for one."""

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from gcode.dialects.fanuc.block import MacroBlock
+from gcode.dialects.fanuc.pecking import PECKING, peck_depths
 from gcode.errors import ProgramError
 from gcode.motion.interpolation import traverse
 from gcode.state.block_values import whole
@@ -18,8 +20,6 @@ if TYPE_CHECKING:
 __all__ = ["CYCLES", "DrillingCycle"]
 
 _NAMES = "xyz"
-#: more pecks than this are a mistake
-_MOST_PECKS = 100_000
 
 
 class DrillingCycle:
@@ -89,15 +89,26 @@ class DrillingCycle:
         if "p" in words:
             pointed = "p" not in block.pointless and runner.settings.pointed_p_is_seconds
             self.dwell_s = words.pop("p") * (1.0 if pointed else runner.settings.dwell_p_s)
-        for letter in "qijd":
-            if letter in words:
-                self.words[letter] = words.pop(letter)
+        self._take_pecks(block, haas=runner.settings.haas_cycles)
+        if runner.settings.haas_cycles and self.code in (74.0, 84.0) and "j" in self.words:
+            runner.controller.note("J", "the tap comes out J times as fast; timed with F alone")
         block.pop("e")
         repeats = [words.pop(letter) for letter in "kl" if letter in words]
         count = whole(repeats[0], "K or L word") if repeats else 1
         if count < 0:
             raise ProgramError(f"G{self.code:g} repeated {count} times")
         return count
+
+    def _take_pecks(self, block: MacroBlock, *, haas: bool) -> None:
+        """Q, I, J, D; K of Haas is the least peck, or how deep before the chips are cleared."""
+        given = block.pop("qijdk" if haas else "qijd")
+        if "k" in given and self.code not in PECKING:
+            raise ProgramError(f"K word in G{self.code:g}", accepted="L with the number of holes")
+        if "k" in given and {"q", "i"} <= given.keys():
+            raise ProgramError(f"Q beside I J K in G{self.code:g}", accepted="Q, or I J K")
+        if haas and given.keys() & set("qk"):  # one way to peck takes the place of another
+            self.words = {name: value for name, value in self.words.items() if name not in "qijk"}
+        self.words |= given
 
 
 class _Hole:
@@ -150,16 +161,10 @@ class _Hole:
             self.runner.controller.record.dwell(self.cycle.dwell_s)
 
     def pecks(self) -> list[float]:
-        """Depths of the pecks but the last."""
-        q = abs(self.cycle.words.get("q", 0.0))
-        if q == 0.0:
-            return []
+        """Levels of the pecks but the last."""
         down = 1.0 if self.bottom > self.r else -1.0
-        count = abs(self.bottom - self.r) / q
-        if count > _MOST_PECKS:
-            raise ProgramError(f"pecks of Q{q:g} make {count:.0f} steps")
-        depths = [self.r + down * q * k for k in range(1, int(count) + 1)]
-        return [depth for depth in depths if (self.bottom - depth) * down > 1e-9]
+        depths = peck_depths(self.cycle.code, self.cycle.words, abs(self.bottom - self.r))
+        return [self.r + down * depth for depth in depths]
 
     def clearance(self) -> float:
         """Above the last depth, signed towards R."""
@@ -180,8 +185,14 @@ def _g81(hole: _Hole) -> None:
 
 
 def _g73(hole: _Hole) -> None:
+    """By pecks; with K beside Q (Haas) out to R when they come to K."""
+    q, total = hole.cycle.words.get("q"), hole.cycle.words.get("k", math.inf)
+    since = hole.r  #: where the tool was last out of the hole
     for depth in hole.pecks():
         hole.feed(depth)
+        if q is not None and abs(depth - since) > total - 1e-9:
+            hole.rapid(hole.r)
+            since = depth
         hole.rapid(depth + hole.clearance())
     hole.feed(hole.bottom)
     hole.dwell()

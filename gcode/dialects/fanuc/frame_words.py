@@ -111,6 +111,9 @@ def _scaling(runner: BlockRunner, block: MacroBlock) -> Transform:
 
 
 def _rotation(runner: BlockRunner, block: MacroBlock) -> Transform:
+    if block.words.keys() & set("ijk"):
+        raise ProgramError("G68 with I J K (three-dimensional coordinate conversion) is not read",
+                           accepted="G68 X Y R in the plane")  # fmt: skip
     if "r" not in block.words:
         raise ProgramError("G68 without R word", accepted="R with the angle in degrees")
     first, second, _ = PLANE_AXES[runner.controller.plane]

@@ -51,6 +51,7 @@ class FanucLane(FastLane):
         s["peck_clearance"] = settings.peck_clearance_mm / unit_mm
         s["pointed_p_is_seconds"] = settings.pointed_p_is_seconds
         s["dwell_p_s"] = settings.dwell_p_s
+        s["repeats_in_k"] = not settings.haas_cycles
         s["cycle"] = 0 if cycle is None else round(10.0 * cycle.code)
         if cycle is not None:
             s["cycle_initial"], s["cycle_p"] = cycle.initial, cycle.dwell_s

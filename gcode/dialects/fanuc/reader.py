@@ -151,9 +151,10 @@ class FanucReader(Translated):
         return any(_UNIT.search(line) for line in bare)
 
     def m_codes(self) -> set[int]:
-        """M codes with plain numbers anywhere in the text."""
-        found = (re.findall(r"m(\d+)", self.content(k)) for k in range(len(self.lines)))
-        return {int(code) for codes in found for code in codes}
+        """M codes with plain numbers anywhere in the text, but for arguments of macros."""
+        found = (re.findall(r"g6[56](?![\d.]).*|m(\d+)", self.content(k))
+                 for k in range(len(self.lines)))  # fmt: skip
+        return {int(code) for codes in found for code in codes if code}
 
     def _note_step(self, block: MacroBlock) -> None:
         """Tell the trace the words as they stand in the text, before they are changed."""

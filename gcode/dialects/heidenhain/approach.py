@@ -3,7 +3,8 @@
 Source: HEIDENHAIN TNC 640, User's Manual for Klartext Programming, "Contour approach and
 departure": LT is a line of LEN on the contour's tangent, LN one square to it. CT is an arc of
 radius R and angle CCA that ends on the tangent, LCT such an arc with a line on its other tangent. R
-is taken for the path of the tool's axis here; the contour begins in the same place either way.
+is taken for the path of the tool's axis here; the contour begins in the same place either way. With
+P in front (PLT, PLN, PCT, PLCT) the contour's point is polar, and so is the end of DEP PLCT.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from gcode.dialects.heidenhain.m_functions import BEFORE_MOTION, m_code
 from gcode.dialects.heidenhain.parameters import NUMBER
 from gcode.dialects.heidenhain.tool_call import tool_of_spindle
 from gcode.errors import ProgramError
@@ -27,7 +29,7 @@ __all__ = ["approach", "depart"]
 _KIND = re.compile(r"(?:APPR|DEP)\s+(P?)(LT|LN|CT|LCT)\b")
 _SIZE = re.compile(rf"\b(LEN|CCA)\s*({NUMBER})")
 _RADIUS = re.compile(rf"(?<![A-Z])R\s*({NUMBER})")
-_MOTION = re.compile(r"(L|C|CC|CR)\b")
+_MOTION = re.compile(r"(LP?|CP?|CC|CR)\b")
 
 
 class _Words:
@@ -35,8 +37,10 @@ class _Words:
 
     def __init__(self, reader: KlartextReader, content: str) -> None:
         kind = _KIND.match(content)
-        if kind is None or kind[1]:
-            raise ProgramError(f"cannot read '{content}'", accepted="APPR LT, LN, CT, LCT; DEP")
+        if kind is None:
+            raise ProgramError(
+                f"cannot read '{content}'", accepted="APPR LT LN CT LCT PLT PLN PCT PLCT; DEP"
+            )
         self.kind, rest = kind[2], content[kind.end() :]
         self.sizes = {k: reader.parameters.number(v) for k, v in _SIZE.findall(rest)}
         rest = _SIZE.sub(" ", rest)
@@ -46,7 +50,11 @@ class _Words:
             rest = rest[: found.start()] + " " + rest[found.end() :]
         for name in self.sizes.keys() & {"LEN", "R"}:
             self.sizes[name] *= reader.frames.scaling.of_radii
-        self.words, self.codes = reader.words(rest)
+        self.words, codes = reader.words(rest)
+        self.before = [m_code(reader, code) for code in codes if code in BEFORE_MOTION]
+        self.after = [m_code(reader, code) for code in codes if code not in BEFORE_MOTION]
+        target = reader.motion.polar_target if kind[1] else reader.motion.target
+        self.end = target(self.words)
 
     def size(self, name: str) -> float:
         """LEN, CCA or R."""
@@ -85,12 +93,14 @@ def _first_direction(reader: KlartextReader, start: Point) -> Point:
         target = tuple(
             words.get(a, p + words.get("I" + a, 0.0)) for a, p in zip("XY", start, strict=True)
         )
+        if match[1] == "LP":
+            target = reader.motion.polar_target(words, [*start, *reader.here()[2:]])[:2]
         if match[1] == "CC":
             pole = target
-        elif match[1] == "L":
+        elif match[1] in ("L", "LP"):
             if target != start:
                 return _direction(start, target)
-        elif match[1] == "C" and pole is not None:
+        elif match[1] in ("C", "CP") and pole is not None:
             return _square(_direction(pole, start), 1.0 if words.get("DR") == "+" else -1.0)
         else:
             break
@@ -100,8 +110,7 @@ def _first_direction(reader: KlartextReader, start: Point) -> Point:
 def approach(reader: KlartextReader, content: str) -> None:
     """Go to the contour's first point, with the tool's radius from there on."""
     said = _Words(reader, content)
-    start = reader.here()
-    end = reader.motion.target(said.words)
+    start, end = reader.here(), said.end
     direction = _first_direction(reader, end[:2])
     side, offset = _side(reader, said.words)
     contact = _add(end[:2], _square(direction, side or 1.0), offset)
@@ -112,13 +121,15 @@ def approach(reader: KlartextReader, content: str) -> None:
     level = "" if end[2] == start[2] else f"z{number(end[2])}"
     rapid = "FMAX" in said.words
     reader.execute(
+        *said.before,
         ("g0" if rapid else "g1") + f"x{number(first[0])}y{number(first[1])}"
-        f"{level}" + reader.motion.feed_word(rapid)
+        f"{level}" + reader.motion.feed_word(rapid),
     )
     reader.execute(_piece(code, contact, centre, first))
     if side:
         tool = reader.controller.tool
         reader.execute(f"g{41 if side > 0 else 42}d{tool}", f"g1x{number(end[0])}y{number(end[1])}")
+    reader.execute(*said.after)
 
 
 def _tail(
@@ -173,16 +184,16 @@ def depart(reader: KlartextReader, content: str) -> None:
     said = _Words(reader, content)
     c = reader.controller
     side, here = float(c.side), reader.here()
-    direction = reader.motion.last_direction(here[:2])
+    direction = reader.motion.last_direction(here[:2], "DEP")
     radius = tool_of_spindle(reader).offset_diameter_mm / 2.0 / c.unit_mm if side else 0.0
     contact = _add(here[:2], _square(direction, side or 1.0), radius)
     back = (-direction[0], -direction[1])
-    end = reader.motion.target(said.words)
-    code = 1
+    end = said.end
     first, code, centre = _tail(said, contact, back, -(side or 1.0), end[:2])
     code = {2: 3, 3: 2}.get(code, 1)
     if "F" in said.words:
         reader.motion.feed = said.words["F"]
+    reader.execute(*said.before)
     if side:
         reader.execute("g40", f"g1x{number(contact[0])}y{number(contact[1])}")
     reader.execute(_piece(code, first, centre, contact) + reader.motion.feed_word(False))
@@ -190,3 +201,4 @@ def depart(reader: KlartextReader, content: str) -> None:
         reader.execute(f"g1x{number(end[0])}y{number(end[1])}z{number(end[2])}")
     elif end[2] != here[2]:
         reader.execute(f"g1z{number(end[2])}")
+    reader.execute(*said.after)

@@ -72,11 +72,11 @@ class KlartextCorners:
         feed = "" if found[3] is None else f"f{number(value(found[3]))}"
         self.corner = (found[1], value(found[2]) * scale, feed)
 
-    def is_next(self) -> bool:
+    def is_next(self, words: str = "RND|CHF") -> bool:
         """Whether RND or CHF stands in the next line."""
         reader = self.reader
         return reader.next < len(reader.lines) and bool(
-            re.match(r"(?:RND|CHF)\b", reader.content(reader.next))
+            re.match(rf"(?:{words})\b", reader.content(reader.next))
         )
 
     def go_towards(self, following: Piece | None) -> bool:

@@ -19,7 +19,7 @@ from gcode.dialects.heidenhain.side_planes import XY, axes_of_pole, side_arc
 from gcode.errors import ProgramError
 from gcode.geometry.corners import Piece
 from gcode.language.translate import number
-from gcode.motion.tangent import tangent_centre
+from gcode.motion.tangent import centre_behind, tangent_centre
 
 if TYPE_CHECKING:
     from gcode.dialects.heidenhain.motion_words import Words
@@ -87,11 +87,11 @@ class KlartextMotion:
             end[axis] = words.get(letter, end[axis] + words.get("I" + letter, 0.0))
         return tuple(end)
 
-    def _polar_target(self, words: Words) -> tuple[float, ...]:
-        """PR, PA, IPR, IPA about the pole, and the tool axis."""
+    def polar_target(self, words: Words, place: Sequence[float] | None = None) -> tuple[float, ...]:
+        """PR, PA, IPR, IPA about the pole, and the tool axis; from a place, or where it stands."""
         if self.pole is None:
             raise ProgramError("polar coordinates without a pole", hint="give CC first")
-        here = self.here()
+        here = self.here() if place is None else place
         first, second = self.pole_axes
         out = here[first] - self.pole[0], here[second] - self.pole[1]
         radius = words.get("PR", math.hypot(*out) + words.get("IPR", 0.0))
@@ -108,7 +108,7 @@ class KlartextMotion:
         words, _ = self.reader.words(content.removeprefix("CC"))
         polar = words.keys() & {"PR", "PA", "IPA"}
         if polar:
-            place = self._polar_target(words)
+            place = self.polar_target(words)
         else:
             place, self.pole_axes = self.target(words), axes_of_pole(words)
         first, second = self.pole_axes
@@ -131,7 +131,9 @@ class KlartextMotion:
             reader.controller.use(f"M{code}")
         if 140 in codes:
             self._retract(words)
-        reader.execute(self._side(words))
+        side = self._side(words)
+        self._note_ends(side)
+        reader.execute(side)
         blocks = self._line(head, words, codes) if head in ("L", "LP") else self._arc(head, words)
         reader.execute(*before, blocks)
         if blocks or self.corners.waiting is None:
@@ -173,11 +175,24 @@ class KlartextMotion:
             raise ProgramError("RL and RR without R0 between them")
         return f"g{41 if wanted > 0 else 42}d{c.tool}" if wanted else "g40"
 
+    def _note_ends(self, side: str) -> None:
+        """RND at the first or last point under compensation: an arc of approach on old controls.
+
+        HEIDENHAIN TNC 406, TNC 416, User's Manual, page 91.
+        """
+        begins = side[:3] in ("g41", "g42") and self.corners.is_next("RND")
+        if begins or (side == "g40" and self.corners.corner is not None):
+            self.reader.noted(
+                "RND",
+                "the corner is rounded; TNC 406 and older approach or leave the contour on this "
+                "arc, as APPR LCT and DEP LCT do",
+            )
+
     def _line(self, head: str, words: Words, codes: list[int]) -> str:
         rapid = "FMAX" in words
         if _MACHINE & set(codes):
             return self._line_of_machine(words, codes, rapid=rapid)
-        end = self._polar_target(words) if head == "LP" else self.target(words)
+        end = self.polar_target(words) if head == "LP" else self.target(words)
         named = {name[-1] for name in words if name.lstrip("I") in ("X", "Y", "Z", *"ABC")}
         named |= {"XYZ"[k] for k in self.pole_axes} if head == "LP" else set()
         start = tuple(self.here())
@@ -212,18 +227,18 @@ class KlartextMotion:
         piece = replace(piece, start=start[:2])
         self.corners.waiting = WaitingPiece(piece, start, tuple(end), self.feed_word(False))
 
-    def last_direction(self, end: Sequence[float]) -> tuple[float, float]:
-        """Unit direction of the contour at its last programmed point.
+    def last_direction(self, end: Sequence[float], asks: str) -> tuple[float, float]:
+        """Unit direction of the contour at its last programmed point, which a word asks for.
 
         Raises
         ------
         ProgramError
-            The last block was no line L, LP or arc C, CR that ends there.
+            The last block was no line L, LP or arc C, CR, CT that ends there.
         """
         there, x, y = self.tangent or ((math.nan, math.nan), 0.0, 0.0)
         size = math.hypot(x, y)
         if math.dist(there, end) > 1e-9 or size == 0.0:
-            raise ProgramError("DEP needs a line L or an arc C or CR before it")
+            raise ProgramError(f"{asks} needs a line L or an arc C, CR or CT before it")
         return x / size, y / size
 
     def feed_word(self, rapid: bool, out: Sequence[float] = ()) -> str:
@@ -238,7 +253,7 @@ class KlartextMotion:
         return f"f{number(feed)}"
 
     def _arc(self, head: str, words: Words) -> str:
-        end = self._polar_target(words) if head == "CP" else self.target(words)
+        end = self.polar_target(words) if head == "CP" else self.target(words)
         start = self.here()
         if head == "CT":
             return self._tangent_arc(start, end)
@@ -285,9 +300,12 @@ class KlartextMotion:
         c = self.reader.controller
         if self.corners.waiting is not None or self.corners.is_next():
             raise ProgramError("RND or CHF beside CT is not read", accepted="L, C and CR")
-        if c.side:
-            raise ProgramError("CT with radius compensation is not read", accepted="R0")
-        x, y, sense = tangent_centre(c.record, start, end, c.unit_mm)
+        if c.side:  # the contour goes on, and not the path of the tool
+            x, y, sense = centre_behind(self.last_direction(start[:2], "CT"), start, end)
+        else:
+            x, y, sense = tangent_centre(c.record, start, end, c.unit_mm)
+        turn = math.copysign(1.0, sense)
+        self.tangent = end[:2], (y - end[1]) * turn, (end[0] - x) * turn
         text = f"{'g3' if sense > 0.0 else 'g2'}x{number(end[0])}y{number(end[1])}"
         if end[2] != start[2]:
             text += f"z{number(end[2])}"

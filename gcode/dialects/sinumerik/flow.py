@@ -134,7 +134,7 @@ class Flow:
                 return
 
     def _repeat(self, keyword: str, rest: str) -> None:
-        """REPEAT from a label to here, or between two labels; REPEATB one block."""
+        """REPEAT from a label to ENDLABEL or here, or between two labels; REPEATB one block."""
         match = _REPEATED.fullmatch(rest)
         if match is None:
             raise ProgramError(f"cannot read {keyword} {rest}", accepted="REPEAT LABEL P=3")
@@ -148,8 +148,9 @@ class Flow:
         else:
             stop = reader.next - 1
             for index in range(start + 1, stop):
-                if reader.content(index)[1].upper().startswith("ENDLABEL"):
-                    stop = index
+                head, content = reader.content(index)
+                if "ENDLABEL" in ((head[4] or "").upper(), content.upper()):
+                    stop = index + 1
                     break
         reader.subprograms.repeat(start, stop, rounds)
 

@@ -2,7 +2,8 @@
 
 Source: SINUMERIK ONE, NC Programming, Programming Manual 12/2019, 6FC5398-2EP40-0BA0, pages 174 and
 175: AP=IC(..) counts from the last angle, RP is always absolute, and both stay stored; they apply
-in the plane chosen with G17 to G19.
+in the plane chosen with G17 to G19. With G2 and G3 the pole is the circle's centre and RP its
+radius: SINUMERIK 840Di sl, Fundamentals, Programming Manual 11/2006, 6FC5398-1BP10-2BA0, page 143.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ __all__ = ["Poles"]
 
 _PLANES = {17.0: XY, 18.0: XZ, 19.0: YZ}
 _POLES = (110.0, 111.0, 112.0)
+_ARCS = (2.0, 3.0)
+_SAYS_ARC = {"CR", "AR", "I", "J", "K"}
 
 
 class Poles:
@@ -40,8 +43,11 @@ class Poles:
         self.angle_deg: float | None = None  #: AP that was last said
         self.radius: float | None = None  #: RP that was last said
 
-    def obey(self, words: Words, g_codes: list[float]) -> None:
-        """Set a pole, or put the axes of the plane in the place of AP and RP."""
+    def obey(self, words: Words, g_codes: list[float], *, is_special: bool = False) -> None:
+        """Set a pole, or put the axes of the plane in the place of AP and RP.
+
+        `is_special` says that the block has CIP or CT, whose centre is no pole.
+        """
         self._choose_plane(g_codes)
         code = next((code for code in _POLES if code in g_codes), None)
         if code is not None:
@@ -50,6 +56,20 @@ class Poles:
             place = self._place(dict(words), absolute=self.reader.is_absolute(g_codes))
             words[:] = [w for w in words if w[0] not in ("AP", "RP")]
             words += zip(self._letters, place, strict=True)
+            if not is_special and self._is_arc(g_codes) and not _SAYS_ARC & dict(words).keys():
+                words += self._centre()
+
+    def _is_arc(self, g_codes: list[float]) -> bool:
+        said = next((code for code in g_codes if code in (0.0, 1.0, *_ARCS)), None)
+        return (
+            said in _ARCS if said is not None else (self.reader.controller.motion in ("G2", "G3"))
+        )
+
+    def _centre(self) -> Words:
+        """I J K of the pole, from the place where the tool stands."""
+        from_here = [pole - place for pole, place in zip(self.pole, self._here(), strict=True)]
+        first, second, _ = PLANE_AXES[self.plane]
+        return list(zip(("IJK"[first], "IJK"[second]), from_here, strict=True))
 
     def in_mode(self, letter: str, value: float, kind: str, *, absolute: bool) -> float:
         """AP=AC(..) and AP=IC(..): the number that says the same in the mode of the block."""

@@ -150,8 +150,8 @@ class SinumerikReader(Translated):
         try:
             self._obey(content)
         except ProgramError as error:
-            if self.subprograms.routine.file is not None:
-                error.located(file=self.subprograms.routine.file, line=self.next)
+            if self.subprograms.file is not None:
+                error.located(file=self.subprograms.file, line=self.next)
             raise
 
     def _obey(self, content: str) -> None:
@@ -202,7 +202,7 @@ class SinumerikReader(Translated):
                 return
         self.units.select(words)
         self.tools.change(words)
-        self.poles.obey(words, g_codes)
+        self.poles.obey(words, g_codes, is_special=arc is not None)
         self.motion.opening_angle(words, g_codes)
         if self.approach.obey(words, g_codes):
             return
@@ -214,7 +214,7 @@ class SinumerikReader(Translated):
             self.motion.special_arc(arc, words)
         else:
             self.execute(self.words.text(words))
-        if self.cycles.modal is not None and moved:
+        if self.cycles.modal is not None and moved and not self.subprograms.is_in_modal_call():
             self.cycles.do_modal()
         stop = [v for letter, v in words if letter == "M" and v in STOPS]
         if 17.0 in stop and self.subprograms.returned():

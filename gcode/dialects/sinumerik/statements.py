@@ -177,7 +177,8 @@ class Statements:
         texts = split_arguments(match[3][1:-1]) if match[3] and match[3] != "()" else []
         self.reader.corners.finish()
         if (match[1] or "").upper() == "MCALL":
-            self.reader.cycles.modal = (match[2], self.reader.arguments(",".join(texts)))
+            given = self.reader.arguments(",".join(texts)) if texts else []
+            self.reader.cycles.modal = (match[2], given)
         else:
             rounds = int(self.reader.variables.value(match[4])) if match[4] else 1
             self.reader.says_flow()

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gcode.errors import ProgramError
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["Subprograms"]
 
 _LEVELS = 16  #: program levels of the control
+_NO_FILE = Path("places")  #: of lines that stand for a block of the program
 _SECTION = re.compile(r"\s*%_N_(\w+?)_(MPF|SPF)\b", re.IGNORECASE)
 _PROCEDURE = re.compile(r"\s*(?:N\d+\s*)?PROC\s+(\w+)\s*(?:\((.*)\))?", re.IGNORECASE)
 _PARAMETER = re.compile(
@@ -41,6 +43,7 @@ class _Level:
     named: dict[str, float] | None  #: variables of the caller; None for a repeated part
     line: int | None  #: of the program's file that calls
     given_back: tuple[tuple[str, str], ...] = ()  #: VAR: the caller's variable and the parameter
+    is_modal: bool = False  #: called by MCALL behind a move
 
 
 class Subprograms:
@@ -64,6 +67,11 @@ class Subprograms:
         return heads[1] if len(heads) > 1 else len(lines)
 
     @property
+    def file(self) -> Path | None:
+        """File beside the program whose lines run; None within its own."""
+        return None if self.routine.file is _NO_FILE else self.routine.file
+
+    @property
     def source_line(self) -> int | None:
         """Line of the program's file that called a file beside it; None within its own."""
         return next((level.line for level in self.levels if level.line is not None), None)
@@ -72,7 +80,21 @@ class Subprograms:
         """What tells one round of a loop from another."""
         return [(level.next, level.left, level.start) for level in self.levels]
 
-    def call(self, name: str, texts: Sequence[str], rounds: int = 1) -> None:
+    def is_in_modal_call(self) -> bool:
+        """Whether what runs was called by MCALL, whose own moves call nothing."""
+        return any(level.is_modal for level in self.levels)
+
+    def run(self, lines: Sequence[str]) -> None:
+        """Run lines that stand for this block, then go on behind it."""
+        reader = self.reader
+        line = reader.controller.line if self.routine.file is None else None
+        level = _Level(self.routine, reader.next, reader.stop, 0, 0, None, line)
+        self._push(level)
+        self._enter(Routine(list(lines), 0, len(lines), _NO_FILE), 0, len(lines))
+
+    def call(
+        self, name: str, texts: Sequence[str], rounds: int = 1, *, is_modal: bool = False
+    ) -> None:
         """Go to a subprogram.
 
         Parameters
@@ -82,6 +104,8 @@ class Subprograms:
             Arguments as they stand in the block; blanks for one that is left out.
         rounds : int
             P: how often it runs.
+        is_modal : bool
+            Called by MCALL behind a move.
 
         Raises
         ------
@@ -107,6 +131,7 @@ class Subprograms:
                 reader.variables.named,
                 line,
                 given_back,
+                is_modal,
             )
         )
         self._enter(routine, routine.start, routine.stop)

@@ -2,6 +2,8 @@
 
 Source: HEIDENHAIN TNC 426/430 User's Manual ISO Programming: G00 to G16 are the path functions of
 Klartext, I and J its CC, R and H its PR and PA, D00 to D13 its FN 0 to FN 13, G98 L its LBL.
+G26 and G27 are arcs between the contour's point and the start or end, tangent to the contour: TNC
+320 (34055x-06), User's Manual for DIN/ISO Programming, 5/2013, page 172; read as APPR and DEP LCT.
 """
 
 from __future__ import annotations
@@ -27,6 +29,8 @@ _FUNCTION = re.compile(rf"D\s*(\d+)\s*(?:(Q\d+)\s*)?((?:P0?\d\s*{_VALUE}\s*)+)$"
 _LEADING = re.compile(r"((?:G\s*9[01]\s*)?)G\s*(\d+)")
 _CALL = re.compile(r"L\s*(\d+)\s*[,.]\s*(\d+)$")
 _PROGRAM = re.compile(r"%\s*:?\s*([\w\-.]+)\s*(G7[01])?")
+#: line with RL or RR; what stands before its L or LP, and what behind
+_COMPENSATED = re.compile(r"(/ )?L(P?)\b((?=.* R[LR]\b).*)")
 #: D function -> Klartext, with its parameters P01 to P03
 _FUNCTIONS = {
     0: "{q} = {0}", 1: "{q} = {0} + {1}", 2: "{q} = {0} - {1}", 3: "{q} = {0} * {1}",
@@ -72,8 +76,26 @@ def klartext_of_iso(lines: Sequence[str]) -> Translation:
         except ProgramError as error:
             found.errors[len(found.lines)] = error
             texts = ["*"]
+        if blocks.approach is not None:
+            _approach(found, blocks.approach)
+            blocks.approach = None
         found.lines += [(text, index) for text in texts or ["*"]]
     return found
+
+
+def _approach(found: Translation, radius: str) -> None:
+    """Make an approach on an arc of the last block of motion, as G26 behind it says."""
+    for k in range(len(found.lines) - 1, -1, -1):
+        text, index = found.lines[k]
+        first = _COMPENSATED.match(text)
+        if first is not None:
+            found.lines[k] = f"{first[1] or ''}APPR {first[2]}LCT{first[3]} R{radius}", index
+            return
+        if text != "*":
+            break
+    found.errors[len(found.lines)] = ProgramError(
+        "G26 behind no block with G41 or G42", accepted="G26 behind the contour's first point"
+    )
 
 
 class _Blocks:
@@ -84,6 +106,8 @@ class _Blocks:
         self.absolute = True
         self.path = 1
         self.sense = "+"
+        self.approach: str | None = None  #: radius of a G26
+        self.departure: str | None = None  #: radius of a G27 whose G40 is still to come
 
     def translated(self, line: str) -> list[str]:
         """Blocks of Klartext for a line."""
@@ -187,9 +211,15 @@ class _Blocks:
             return [f"TOOL DEF {said.get('T', '')}"]
         if 38 in codes:
             return ["STOP"]
-        for code, word in ((24, "CHF"), (25, "RND R"), (26, "RND R"), (27, "RND R")):
+        for code, word in ((24, "CHF"), (25, "RND R")):
             if code in codes and "R" in said:
                 return [f"{word} {said['R']}"]
+        if {26, 27} & set(codes) and "R" in said:
+            if 26 in codes:
+                self.approach = said["R"]
+            else:
+                self.departure = said["R"]
+            return ["*"]
         if "T" in said and not set(codes) - {17, 18, 19, 40, 90, 91}:
             axis = {18: "Y", 19: "X"}.get(next((c for c in codes if c in (18, 19)), 17), "Z")
             more = "".join(f" {k}{said[k]}" for k in ("S", "F") if k in said)
@@ -216,6 +246,11 @@ class _Blocks:
         }.get(self.path, ("CP" if polar else "C", f" DR{self.sense}"))  # fmt: skip
         if word == "C" and "R" in said:
             word, tail = "CR", f" R{said['R']}{tail}"
+        if self.departure is not None:
+            if word not in ("L", "LP") or 40 not in codes:
+                raise ProgramError("G27 without G40 behind it", accepted="G01 G40 X Y behind G27")
+            radius, self.departure = self.departure, None
+            word, tail, sides = f"DEP {word[1:]}LCT", f" R{radius}", ""
         feed = " FMAX" if self.path in _RAPID else f" F{said['F']}" if "F" in said else ""
         return [f"{word}{places}{tail}{sides}{feed}{codes_m}"]
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gcode.dialects.fanuc.block import MacroBlock
+from gcode.dialects.fanuc.increments import count_arguments
 from gcode.dialects.fanuc.macro.line_text import PROGRAM, bare
 from gcode.errors import ProgramError
 from gcode.language.called_programs import Routine, find_beside, unknown_calls
@@ -69,11 +70,12 @@ class Calls:
             block.g.remove(67.0)
             self.reader.blocks.obey(block)
         else:
-            if len(block.g) > 1:
+            if len(block.g) > 1 or block.m:
                 raise ProgramError(
-                    "another G code beside a macro call", accepted="G65 and its arguments alone"
+                    f"another {'G' if len(block.g) > 1 else 'M'} code beside a macro call",
+                    accepted="G65 and its arguments alone",
                 )
-            words = list(block.all_words)
+            words = count_arguments(self.reader.blocks, block)
             if block.has(66):
                 self.modal_call = words
             else:

@@ -1,8 +1,13 @@
-"""CYCL DEF and CYCL CALL: which cycle is defined, and where it is done."""
+"""CYCL DEF and CYCL CALL: which cycle is defined, and where it is done.
+
+Source: HEIDENHAIN TNC 640, User's Manual Cycle Programming: Z of CYCL CALL POS "serves as an
+additional datum shift"; Z of PATTERN DEF "is effective in addition to the workpiece surface Q203".
+"""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from gcode.dialects.heidenhain.cycles import face
@@ -142,14 +147,25 @@ class CycleCalls:
         reader = self.reader
         if content.startswith("CYCL CALL POS"):
             words, _ = reader.words(content.removeprefix("CYCL CALL POS"))
-            end = reader.motion.target(words)
-            reader.execute(f"g0x{number(end[0])}y{number(end[1])}")
-            self.do()
+            self._call_position(words, reader.motion.target(words))
         elif content.startswith("CYCL CALL PAT"):
             self._call_pattern()
         else:
             codes = re.findall(r"M\s*(\d+)", content)
             reader.execute(*(m_code(reader, int(code)) for code in codes))
+            self.do()
+
+    def _call_position(self, words: Mapping, end: Sequence[float]) -> None:
+        """At a place; its Z is an additional datum shift of the cycle."""
+        shift = float(words.get("Z", 0.0))
+        if shift and (self.cycle is None or "203" not in self.cycle[1]):
+            raise ProgramError(f"CYCL CALL POS with Z{shift:+g} beside a cycle without Q203",
+                               accepted="Z+0, or CYCL DEF 7 with the shift")  # fmt: skip
+        self.reader.execute(f"g0x{number(end[0])}y{number(end[1])}")
+        if shift:
+            number_, data = self.cycle
+            self._run(number_, _raised(data, shift))
+        else:
             self.do()
 
     def do(self) -> None:
@@ -189,7 +205,7 @@ class CycleCalls:
             raise ProgramError("no cycle to call", accepted="CYCL DEF 200 ... before it")
         number_, data = self.cycle
         for x, y, level in self.pattern:
-            self._at(x, y, number_, data if level is None else data | {"203": level})
+            self._at(x, y, number_, _raised(data, level))
 
     def _pattern(self, cycle: int, data: dict[str, float]) -> None:
         """Cycles 220 and 221 call the cycle before them, with their own levels."""
@@ -209,6 +225,11 @@ class CycleCalls:
             reader.execute(f"g0z{number(out)}")
         reader.execute(f"g0x{number(x)}y{number(y)}")
         self._run(cycle, data)
+
+
+def _raised(data: dict[str, float], by: float) -> dict[str, float]:
+    """Data of a cycle whose surface lies higher."""
+    return data | {"203": data.get("203", 0.0) + by} if by else data
 
 
 def _why_refused(cycle: int) -> str:

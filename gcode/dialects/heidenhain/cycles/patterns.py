@@ -16,8 +16,8 @@ from gcode.geometry.arcs import Point
 __all__ = ["PATTERNS", "Pattern", "pattern_definition", "pattern_places"]
 
 PATTERNS = frozenset((220, 221))
-#: X, Y, and the level of the surface where the pattern says one
-Pattern = tuple[float, float, float | None]
+#: X, Y, and by how much the pattern raises the surface of the cycle
+Pattern = tuple[float, float, float]
 _MOST = 10_000
 _PIECE = re.compile(r"(POS|ROW|PAT|FRAME|CIRC|PITCHCIRC)\s*\d+\s*\(([^)]*)\)")
 
@@ -100,7 +100,7 @@ def pattern_definition(text: str, value: Callable[[str], float]) -> list[Pattern
             found = _places_of(kind, words)
         except KeyError as missing:
             raise ProgramError(f"{kind} without {missing.args[0]}") from None
-        places += [(x, y, words.get("Z")) for x, y in found]
+        places += [(x, y, words.get("Z", 0.0)) for x, y in found]
     return places
 
 

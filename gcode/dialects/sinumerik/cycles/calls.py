@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from gcode.dialects.sinumerik.cycles.contour import mill_along
@@ -11,6 +12,7 @@ from gcode.dialects.sinumerik.cycles.face import mill_face_cycle
 from gcode.dialects.sinumerik.cycles.milling import MILLING, mill
 from gcode.dialects.sinumerik.cycles.thread_milling import mill_thread
 from gcode.errors import ProgramError
+from gcode.geometry.arcs import Point
 from gcode.language.translate import number
 
 if TYPE_CHECKING:
@@ -83,9 +85,7 @@ class CycleCalls:
                 raise ProgramError(
                     f"{name} without a cycle", accepted="MCALL CYCLE81(...) before it"
                 )
-            for x, y in pattern_points(name, arguments):
-                reader.execute(f"g90g0x{number(x)}y{number(y)}")
-                self.do_modal()
+            self._at_each(pattern_points(name, arguments))
         elif name == "CYCLE90":
             mill_thread(reader, arguments)
         elif name == "CYCLE71":
@@ -97,6 +97,20 @@ class CycleCalls:
         else:
             drill(reader, name, arguments)
 
+    def _at_each(self, places: Sequence[Point]) -> None:
+        """The cycle or subprogram of MCALL at some places; modes stay as they were."""
+        reader, c = self.reader, self.reader.controller
+        modal, absolute = c.motion, c.absolute
+        if self.modal[0] not in CYCLES:  # its lines run behind each of these
+            back = f"G{90 if absolute else 91} {modal if modal in ('G0', 'G1') else ''}"
+            lines = [f"G90 G0 X{number(x)} Y{number(y)}" for x, y in places]
+            reader.subprograms.run([*lines, back])
+            return
+        for x, y in places:
+            reader.execute(f"g90g0x{number(x)}y{number(y)}")
+            self.do_modal()
+        c.motion, c.absolute = modal, absolute
+
     def do_modal(self) -> None:
         """The cycle or subprogram of MCALL at the present place."""
         name, arguments = self.modal
@@ -105,4 +119,4 @@ class CycleCalls:
                 drill(self.reader, name, arguments)
         else:
             texts = ["" if value is None else number(value) for value in arguments]
-            self.reader.subprograms.call(name, texts)
+            self.reader.subprograms.call(name, texts, is_modal=True)
