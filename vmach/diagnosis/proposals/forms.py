@@ -120,19 +120,26 @@ class Forms:
     def _says_the_same(
         self, found: Explanation, labels: AbstractSet[str], instead: AbstractSet[str]
     ) -> bool:
-        """Whether a form of another set does what an effect of one amount does that it gives up.
+        """Whether a form of another set does what one amount of an effect does that it gives up.
 
         On one target or on several: two tools that wear alike are still tools that wear. Several
-        amounts follow another cause by chance.
+        amounts of one target together follow another cause by chance.
         """
         new = [form for label, form in self._chosen.items() if label in instead - labels]
-        by_name: dict[str, list[np.ndarray]] = {}
-        for k, term in enumerate(found.terms if new else ()):
-            if term.label in labels - instead and len(term.effect.amplitudes) == 1:
-                by_name.setdefault(term.effect.name, []).append(self._moved_mm(found, k))
-        spans = [orthonormal(np.hstack(moved)) for moved in by_name.values()]
+        by_amount: dict[tuple[str, int], list[np.ndarray]] = {}
+        for term in found.terms if new else ():
+            if term.label in labels - instead:
+                for k, moved in enumerate(self._amounts_mm(term)):
+                    by_amount.setdefault((term.effect.name, k), []).append(moved)
+        spans = [orthonormal(np.hstack(moved)) for moved in by_amount.values()]
         spaces = [self._columns.space_of(form) for form in new]
         return any(share_within(s, span) > _SAME for s in spaces for span in spans)
+
+    def _amounts_mm(self, term: Term) -> Iterator[np.ndarray]:
+        """What each amount of an effect does alone beyond alignment, (n, 1) each."""
+        survey = self._weighing.survey
+        columns = survey.signature(term.effect, term.target, term.inner)
+        yield from np.hsplit(columns - survey.aligned(columns), columns.shape[1])
 
     def _moved_mm(self, found: Explanation, k: int) -> np.ndarray:
         """What effect k of an explanation does beyond alignment, (n, 1)."""
