@@ -273,7 +273,7 @@ class _Blocks:
                 yield from before
                 seconds = self.writer.seconds.get(row, 0.0)
                 if seconds:
-                    yield "G4 P" + number_text("P", seconds).removesuffix(".")
+                    yield self.writer.program.language.pause(seconds)
                 yield from after
             else:
                 yield self._move(row)
