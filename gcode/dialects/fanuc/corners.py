@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from gcode.dialects.fanuc.block import MacroBlock
@@ -34,6 +36,8 @@ class HeldPiece:
         With ``,R`` or ``,C`` where it is to be rounded.
     centre : Point or None
         Of an arc, in the plane.
+    line : int
+        Its own: the corner is known, and the motion made, only at a later one.
     """
 
     runner: BlockRunner
@@ -42,8 +46,10 @@ class HeldPiece:
     motion: str
     block: MacroBlock
     centre: Point | None = None
+    line: int = field(init=False)
 
     def __post_init__(self) -> None:
+        self.line = self.runner.controller.line
         if self.motion not in _SENSE:
             raise ProgramError(
                 f",R or ,C between {self.motion} and another motion", accepted="G1, G2 and G3"
@@ -78,15 +84,25 @@ class HeldPiece:
         if broken is not None:
             for axis, first, second in zip(self.axes, broken.begin, broken.end, strict=True):
                 begin[axis], end[axis] = first, second
-        self.go(begin)
-        if broken is not None and kind == "c":
-            self.runner.straight_to(end, "G1")
-        elif broken is not None:
-            words = {"xyz"[axis]: end[axis] for axis in self.axes} | {"r": size}
-            code = 3.0 if broken.sense > 0 else 2.0
-            self.runner.arc_to(MacroBlock(words, g=[code]), code)
+        with self._own_line():
+            self.go(begin)
+            if broken is not None and kind == "c":
+                self.runner.straight_to(end, "G1")
+            elif broken is not None:
+                words = {"xyz"[axis]: end[axis] for axis in self.axes} | {"r": size}
+                code = 3.0 if broken.sense > 0 else 2.0
+                self.runner.arc_to(MacroBlock(words, g=[code]), code)
         self.runner.controller.motion = other.motion
         other.start = end
+
+    @contextmanager
+    def _own_line(self) -> Iterator[None]:
+        """Motion that is told as that of the line which asked for it."""
+        controller = self.runner.controller
+        here = controller.line
+        controller.line = controller.record.line = self.line
+        yield
+        controller.line = controller.record.line = here
 
     def go(self, end: list[float]) -> None:
         """The motion itself, to `end`; other words of the block with it."""
