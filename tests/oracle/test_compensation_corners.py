@@ -53,7 +53,48 @@ def test_the_path_is_that_of_the_corners(body, ends):
     np.testing.assert_allclose(found, ends, atol=1e-9)
 
 
-def test_a_corner_belongs_to_the_line_that_asks_for_it():
+#: the same square for other controls
+SINUMERIK = "G90 G17 G71\nT1 M6\nG54\nG0 X-40 Y-20 Z-2\nG1 X20 RND=5 F300\nY20 CHR=2\nX-20\nM30\n"
+KLARTEXT = """\
+0 BEGIN PGM A MM
+1 TOOL CALL 1 Z S3000
+2 L X-40 Y-20 Z-2 R0 FMAX
+3 L X+20 R0 F300
+4 RND R5
+5 L Y+20
+6 CHF 2
+7 L X-20
+8 END PGM A MM
+"""
+
+
+@pytest.mark.parametrize(
+    ("control", "text", "lines"),
+    [
+        ("fanuc", HEAD + SQUARE, [5, 5, 6, 6, 7]),
+        ("sinumerik", SINUMERIK, [5, 5, 6, 6, 7]),
+        ("heidenhain", KLARTEXT, [4, 4, 6, 6, 8]),
+    ],
+)
+def test_a_corner_belongs_to_the_line_that_asks_for_it(control, text, lines):
     """Before, the wall of 35 mm was told as that of the next line."""
-    moves = read(SQUARE).moves
-    assert moves.line[moves.feed_mm_per_min == 300.0].tolist() == [5, 5, 6, 6, 7]
+    moves = read_program(Source(text.encode()), dialect=control, tools=TOOLS).moves
+    cuts = moves.feed_mm_per_min == 300.0
+    np.testing.assert_allclose(
+        moves.end_mm[cuts, :2], [(15, -20), (20, -15), (20, 18), (18, 20), (-20, 20)], atol=1e-9
+    )
+    assert moves.line[cuts].tolist() == lines
+
+
+def test_modal_rounding_of_sinumerik_is_written_out():
+    """RNDM rounds every corner until it is zero; its words would round the new ones again."""
+    body = "G90 G17 G71\nT1 M6\nG54\nG0 X-40 Y-20 Z-2\nG1 X20 RNDM=5 F300\nY20\nRNDM=3\nX-20\nY0\n"
+    program = read_program(
+        Source(f"{body}RNDM=0\nX0\nM30\n".encode()), dialect="sinumerik", tools=TOOLS
+    )
+    written = expanded(program)[0]
+    assert b"RNDM" not in written.source.data
+    ends = [(15, -20), (20, -15), (20, 15), (15, 20), (-17, 20), (-20, 17), (-20, 3), (-17, 0)]
+    for moves in (program.moves, written.moves):
+        found = moves.end_mm[moves.feed_mm_per_min == 300.0, :2]
+        np.testing.assert_allclose(found, [*ends, (0, 0)], atol=1e-9)

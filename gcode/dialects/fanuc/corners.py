@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -84,7 +82,7 @@ class HeldPiece:
         if broken is not None:
             for axis, first, second in zip(self.axes, broken.begin, broken.end, strict=True):
                 begin[axis], end[axis] = first, second
-        with self._own_line():
+        with self.runner.controller.told_as(self.line):
             self.go(begin)
             if broken is not None and kind == "c":
                 self.runner.straight_to(end, "G1")
@@ -94,15 +92,6 @@ class HeldPiece:
                 self.runner.arc_to(MacroBlock(words, g=[code]), code)
         self.runner.controller.motion = other.motion
         other.start = end
-
-    @contextmanager
-    def _own_line(self) -> Iterator[None]:
-        """Motion that is told as that of the line which asked for it."""
-        controller = self.runner.controller
-        here = controller.line
-        controller.line = controller.record.line = self.line
-        yield
-        controller.line = controller.record.line = here
 
     def go(self, end: list[float]) -> None:
         """The motion itself, to `end`; other words of the block with it."""
