@@ -36,6 +36,7 @@ class Haas(Fanuc):
     marks = None
     rank = 60
     reader = HaasReader
+    pointed_pause = True
     reads = ("linuxcnc", "fanuc")
     confirmed = {
         "manual": "G0; G1; G10; G12; G13; G28; G40; G41; G70; G71; G72; G80; G83; G91; G99; G114; "

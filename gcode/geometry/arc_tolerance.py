@@ -10,7 +10,10 @@ from dataclasses import dataclass
 
 from gcode.errors import ProgramError
 
-__all__ = ["ARC_TOLERANCES", "ArcTolerance", "arc_tolerance"]
+__all__ = ["ARC_TOLERANCES", "ZERO_RADIUS_MM", "ArcTolerance", "arc_tolerance"]
+
+#: LinuxCNC: an arc of a smaller radius is none, and an end may be so far beyond the diameter
+ZERO_RADIUS_MM = 0.00127
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,10 @@ class ArcTolerance:
     def absolute(self, unit_mm: float) -> float:
         """Absolute tolerance in program units."""
         return (self.absolute_mm if unit_mm == 1.0 else self.absolute_inch_mm) / unit_mm
+
+    def limits(self, unit_mm: float) -> tuple[float, float, float]:
+        """Absolute and relative tolerance, and the least radius, lengths in program units."""
+        return self.absolute(unit_mm), self.relative, ZERO_RADIUS_MM / unit_mm
 
 
 _SQRT2 = 2.0**0.5

@@ -10,12 +10,9 @@ import math
 
 from gcode.errors import ProgramError
 from gcode.geometry.arc_centre import centre_of_radius, distance, radii_differ
-from gcode.geometry.arc_tolerance import ArcTolerance
+from gcode.geometry.arc_tolerance import ZERO_RADIUS_MM, ArcTolerance
 
 __all__ = ["ZERO_RADIUS_MM", "arc_angle", "arc_length", "centre_from_offsets", "centre_from_radius"]
-
-#: LinuxCNC: an arc of a smaller radius is none, and an end may be so far beyond the diameter
-ZERO_RADIUS_MM = 0.00127
 
 Point = tuple[float, float]
 

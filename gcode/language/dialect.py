@@ -65,6 +65,8 @@ class Dialect:
         M codes that act when the block's motion has ended.
     floating_tap : bool
         G84 is a feed move with the spindle reversed, so that it can be written out.
+    pointed_pause : bool
+        P of a pause counts seconds with a decimal point, and milliseconds without.
     options : mapping of str to tuple of str
         Parameter of the control that a job may set -> what it accepts, its default first.
     comment : tuple of str
@@ -98,6 +100,7 @@ class Dialect:
     inch_decimals: int = 1
     ending: frozenset[int] = frozenset((0, 1, 2, 5, 9, 30, 60))
     floating_tap: bool = False
+    pointed_pause: bool = False
     options: Mapping[str, tuple[str, ...]] = MappingProxyType({})
     comment: tuple[str, str] = ("(", ")")
     is_written: bool = True
@@ -132,6 +135,11 @@ class Dialect:
         if options.fast:
             reader.use_fast_lane(source)
         reader.run()
+
+    @classmethod
+    def pause(cls, seconds: float) -> str:
+        """Block of a dwell, where a cycle is written out as plain blocks of RS274/NGC."""
+        return "G4 P" + f"{seconds:.6f}".rstrip("0").rstrip(".")
 
     @classmethod
     def decimals(cls, resolution_mm: float, unit_mm: float) -> int:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from gcode.errors import ProgramError, UnknownToolError
@@ -132,6 +133,14 @@ class Controller:
     def use(self, word: str) -> None:
         """Count a code, cycle or key word among those that the program uses."""
         self.used.setdefault(word, self.line)
+
+    @contextmanager
+    def told_as(self, line: int) -> Iterator[None]:
+        """Motion that belongs to an earlier line, which waited for the one that is obeyed."""
+        here = self.line
+        self.line = self.record.line = line
+        yield
+        self.line = self.record.line = here
 
     def note(self, word: str, meaning: str) -> None:
         """List a word as irrelevant to geometry."""

@@ -19,14 +19,14 @@ _CALL = re.compile(
 )
 _MODAL_CALL = re.compile(r"MCALL\b", re.IGNORECASE)
 #: a corner, or a soft approach
-_WAITS = re.compile(r"\b(?:(?:RND|CH[FR])\s*=|G[123]47(?!\d))", re.IGNORECASE)
+_WAITS = re.compile(r"\b(?:(?:RNDM?|CH[FR])\s*=|G[123]47(?!\d))", re.IGNORECASE)
 _MOTION = re.compile(r"\bG0*[0-3](?!\d)|\bC(?:IP|T)\b", re.IGNORECASE)
 _FEED = re.compile(r"\bF\s*(?:=|[\d.])", re.IGNORECASE)
 _MACHINE = re.compile(r"\b(?:SUPA|G(?:53|153|74|75))\b", re.IGNORECASE)
 #: words that go with the motion
 _GONE = re.compile(
     r"\b(?:G0*[0-3]|G4[0-2]|G[123]4[78]|G34[01]|G140|CIP|CT)(?!\d)"
-    r"|(?:\b|(?<=\d))(?:CR|TURN|AP|AR|RP|RND|CHF|CHR|DISR|DISCL|FAD|[IJK]1|[XYZIJKF])\s*(?:=\s*\S+|[-+]?\d*\.?\d+)",
+    r"|(?:\b|(?<=\d))(?:CR|TURN|AP|AR|RP|RNDM?|CHF|CHR|DISR|DISCL|FAD|[IJK]1|[XYZIJKF])\s*(?:=\s*\S+|[-+]?\d*\.?\d+)",
     re.IGNORECASE,
 )
 _UNITS = re.compile(r"\bG(7[01]0?)(?!\d)", re.IGNORECASE)

@@ -126,19 +126,20 @@ def test_a_ball_that_is_thin_stays_on_its_slope(tmp_path):
         tip[2] -= 5.0
         y = (0.0, 60.0) if number % 2 else (60.0, 0.0)
         rows += [f"G1 X{tip[0]:.4f} Y{y[0]:.1f} Z{tip[2]:.4f} F800", f"Y{y[1]:.1f}"]
-    job, effects = job_in_stock(tmp_path, "\n".join([*rows, "G0 Z5.", "M30", ""]), THIN)
+    job, _ = job_in_stock(tmp_path, "\n".join([*rows, "G0 Z5.", "M30", ""]), THIN)
     text = job.path.read_text().replace('"flat"', '"ball"')
     job.path.write_text(text + "[inspection]\nspacing_mm = 1\n")
     job = read_job(tmp_path)
+    effects = read_effects(job.effects, file=job.path, job=job)
     _, checked = aimed(job, effects, resolution_mm=1e-4)
     # the bottoms of the grooves; the first pass cuts a wall on its other side
     x = checked.surface.points.point_mm[checked.row, 0]
     bottom = (normals(checked) @ normal > 0.9995) & (x > 21.5)
     assert bottom.sum() > 50
-    # the law of the thin tool counts across its axis only: the square of the sine of the slope
-    across = (normals(checked)[bottom] ** 2)[:, :2].sum(axis=1)
-    np.testing.assert_allclose(checked.before_mm[bottom], 10e-3 * across, atol=1e-5)
-    assert checked.before_mm[bottom].min() > 10e-3 * np.sin(np.radians(30.0 - 1.82)) ** 2
+    # a smaller ball with the same tip; the slope varies by half a step over each groove
+    expected = 10e-3 * (1.0 - normals(checked)[bottom, 2])
+    np.testing.assert_allclose(checked.before_mm[bottom], expected, atol=1e-5)
+    assert checked.before_mm[bottom].min() > 10e-3 * (1.0 - np.cos(np.radians(30.0 - 1.82)))
     assert np.abs(checked.after_mm[bottom]).max() < 1e-3
 
 

@@ -303,9 +303,11 @@ def test_marks_of_a_single_flute_are_the_mean_of_its_arcs():
     radius, turn = 5.0, 2.0
     x = np.linspace(-turn / 2, turn / 2, 20001)
     mean_mm = np.mean(radius - np.sqrt(radius**2 - x**2))
+    wall = np.tile([0.0, 1.0, 0.0], (5, 1))
     path = SimpleNamespace(
         feed_per_tooth_mm=np.full(5, turn / 4),
-        side_normal=np.tile([0.0, 1.0, 0.0], (5, 1)),
+        normal=wall,
+        side_normal=wall,
         tool=np.array([1, 1, 1, 2, 2]),
         of_tool=lambda name: np.full(5, {"flutes": 4.0, "diameter_mm": 2 * radius}[name]),
     )

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from gcode import ArcTolerance
 from vmach.program_text.blocks.written_arc import CENTRE, LINE, fit_arc
 
 STEP = 1e-3
@@ -42,7 +43,7 @@ def test_no_centre_near_by_is_better(radius, begin, sweep, off, tolerance):
     start, stop = np.round(np.add(points[0], off[:2]), 3), np.round(np.add(points[2], off[2:]), 3)
     origin = start
     how, turns, i, j = fit_arc(np.array([*points, start, stop]), origin, STEP,
-                               np.array([tolerance, 0.0]), False)  # fmt: skip
+                               np.array([tolerance, 0.0, 0.00127]), False)  # fmt: skip
     near = np.round(-origin / STEP)
     centres = [
         np.add(origin, STEP * np.add(near, (a, b))) for a in range(-2, 3) for b in range(-2, 3)
@@ -57,3 +58,12 @@ def test_no_centre_near_by_is_better(radius, begin, sweep, off, tolerance):
     least = min(badness(c, wanted, start, stop) for c in allowed)
     found = badness(np.add(origin, (i, j)), wanted, start, stop)
     assert found == pytest.approx(least, abs=1e-9)
+
+
+@pytest.mark.parametrize(("radius", "how"), [(0.0006, LINE), (0.0012, LINE), (0.0014, CENTRE)])
+def test_an_arc_that_a_control_takes_for_none_is_a_line(radius, how):
+    """LinuxCNC's RADIUS_TOLERANCE_MM, 0.00127: an arc of a smaller radius is refused."""
+    points = [(radius * math.cos(a), radius * math.sin(a)) for a in (0.0, 0.7, 1.4)]
+    limits = np.array(ArcTolerance(0.005, 0.005, 0.001, 100.0).limits(1.0))
+    arc = np.array([*points, points[0], points[2]])
+    assert fit_arc(arc, arc[0], 1e-7, limits, False)[0] == how

@@ -36,6 +36,12 @@ class Fanuc(Dialect):
     confirmed = CONFIRMED
 
     @classmethod
+    def pause(cls, seconds: float) -> str:
+        """P without a point counts milliseconds on most of the family."""
+        unit_s = cls.reader.settings.dwell_p_s
+        return super().pause(seconds) if unit_s == 1.0 else f"G4 P{max(round(seconds / unit_s), 1)}"
+
+    @classmethod
     def detect(cls, text: str) -> str | None:
         """By its words, or as a turning program, which the reader then refuses."""
         found = super().detect(text)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from gcode.dialects.fanuc.block import MacroBlock
@@ -34,6 +34,8 @@ class HeldPiece:
         With ``,R`` or ``,C`` where it is to be rounded.
     centre : Point or None
         Of an arc, in the plane.
+    line : int
+        Its own: the corner is known, and the motion made, only at a later one.
     """
 
     runner: BlockRunner
@@ -42,8 +44,10 @@ class HeldPiece:
     motion: str
     block: MacroBlock
     centre: Point | None = None
+    line: int = field(init=False)
 
     def __post_init__(self) -> None:
+        self.line = self.runner.controller.line
         if self.motion not in _SENSE:
             raise ProgramError(
                 f",R or ,C between {self.motion} and another motion", accepted="G1, G2 and G3"
@@ -78,13 +82,14 @@ class HeldPiece:
         if broken is not None:
             for axis, first, second in zip(self.axes, broken.begin, broken.end, strict=True):
                 begin[axis], end[axis] = first, second
-        self.go(begin)
-        if broken is not None and kind == "c":
-            self.runner.straight_to(end, "G1")
-        elif broken is not None:
-            words = {"xyz"[axis]: end[axis] for axis in self.axes} | {"r": size}
-            code = 3.0 if broken.sense > 0 else 2.0
-            self.runner.arc_to(MacroBlock(words, g=[code]), code)
+        with self.runner.controller.told_as(self.line):
+            self.go(begin)
+            if broken is not None and kind == "c":
+                self.runner.straight_to(end, "G1")
+            elif broken is not None:
+                words = {"xyz"[axis]: end[axis] for axis in self.axes} | {"r": size}
+                code = 3.0 if broken.sense > 0 else 2.0
+                self.runner.arc_to(MacroBlock(words, g=[code]), code)
         self.runner.controller.motion = other.motion
         other.start = end
 

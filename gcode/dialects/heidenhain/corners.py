@@ -31,6 +31,7 @@ class WaitingPiece:
     start: tuple[float, ...]  #: X Y Z A B C
     end: tuple[float, ...]
     feed: str  #: F word
+    line: int
     after: tuple[str, ...] = ()  #: M functions at its end
 
     def block(self, end: tuple[float, float]) -> str:
@@ -89,13 +90,11 @@ class KlartextCorners:
             raise ProgramError("RND or CHF needs a line or arc at feed behind it")
         kind, size, feed = corner
         broken = broken_corner(held.piece, following, size, chamfer=kind == "CHF")
-        if broken is None:
-            self.reader.execute(held.block(held.end[:2]), *held.after)
-            return True
-        self.reader.execute(held.block(broken.begin), *held.after)
-        end = f"x{number(broken.end[0])}y{number(broken.end[1])}"
-        if kind == "RND":
-            self.reader.execute(f"g{3 if broken.sense > 0 else 2}{end}r{number(size)}{feed}")
-        else:
-            self.reader.execute(f"g1{end}{feed}")
+        begin, corners = held.end[:2], []
+        if broken is not None:
+            begin, end = broken.begin, f"x{number(broken.end[0])}y{number(broken.end[1])}"
+            turn = f"g{3 if broken.sense > 0 else 2}{end}r{number(size)}"
+            corners = [f"{turn}{feed}" if kind == "RND" else f"g1{end}{feed}"]
+        with self.reader.controller.told_as(held.line):
+            self.reader.execute(held.block(begin), *held.after, *corners)
         return True

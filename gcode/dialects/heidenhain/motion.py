@@ -225,7 +225,8 @@ class KlartextMotion:
     def _wait(self, piece: Piece, end: Sequence[float]) -> None:
         start = tuple(self.here())  # behind the corner before it
         piece = replace(piece, start=start[:2])
-        self.corners.waiting = WaitingPiece(piece, start, tuple(end), self.feed_word(False))
+        line = self.reader.controller.line
+        self.corners.waiting = WaitingPiece(piece, start, tuple(end), self.feed_word(False), line)
 
     def last_direction(self, end: Sequence[float], asks: str) -> tuple[float, float]:
         """Unit direction of the contour at its last programmed point, which a word asks for.

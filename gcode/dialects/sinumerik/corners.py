@@ -42,6 +42,7 @@ class WaitingPiece:
     size : float
     head : str
         The other words of its block, as RS274/NGC.
+    line : int
     """
 
     piece: Piece
@@ -50,6 +51,7 @@ class WaitingPiece:
     kind: str
     size: float
     head: str
+    line: int
 
     def going_to(self, end: Point) -> str:
         """Its block, to a place before its end."""
@@ -192,7 +194,9 @@ class SinumerikCorners:
         reader.tools.side(words, g_codes)
         reader.execute("".join(f"g{v:.0f}" for v in g_codes if v in (90.0, 91.0)))
         others = [w for w in words if w[0] not in ("G", "CR", "I", "J")]
-        self.waiting = WaitingPiece(piece, *levels, *corner, reader.words.text(others))
+        self.waiting = WaitingPiece(
+            piece, *levels, *corner, reader.words.text(others), reader.controller.line
+        )
         reader.controller.motion = {0: "G1", 1: "G3", -1: "G2"}[piece.sense]
 
     def _go_on(self, words: Words, g_codes: list[float], end: tuple, piece: Piece | None) -> None:
@@ -223,5 +227,7 @@ class SinumerikCorners:
         controller = self.reader.controller
         absolute, motion = controller.absolute, controller.motion
         behind, self.behind = self.behind, []
-        self.reader.execute(*blocks, *behind)
+        with controller.told_as(held.line):
+            self.reader.execute(*blocks)
+        self.reader.execute(*behind)
         controller.absolute, controller.motion = absolute, motion

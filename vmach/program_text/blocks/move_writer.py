@@ -192,8 +192,7 @@ class MoveWriter:
         arc = np.array([point[side] / self.unit for point in points])
         absolute = self.mode.absolute_centre or self.plain.text.absolute_centres
         origin = self.zero[side] / self.unit if absolute else arc[3]
-        arcs = self.plain.control.arcs
-        tolerance = np.array([arcs.absolute(self.unit), arcs.relative])
+        tolerance = np.array(self.plain.control.arcs.limits(self.unit))
         how, turns, *values = fit_arc(arc, origin, self.step, tolerance, self.edit.has_radius)
         if how == LINE:
             return 1, {}

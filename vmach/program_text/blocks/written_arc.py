@@ -45,8 +45,9 @@ def fit_arc(arc, origin, step, tolerance, by_radius):
         Where the words of the centre count from.
     step : float
         Resolution of the words.
-    tolerance : (2,) float64
-        Absolute, and relative to the larger one, by which radii at start and end may differ.
+    tolerance : (3,) float64
+        Absolute, and relative to the larger one, by which radii at start and end may differ; and
+        the least radius that a control takes for an arc.
     by_radius : bool
         The block has a radius.
 
@@ -88,6 +89,8 @@ def _best_centre(arc, centre, sense, origin, step, tolerance):
         y = origin[1] + (near_j + step * (k % side - _TRIES))
         first = length(arc[_START, 0] - x, arc[_START, 1] - y)
         last = length(arc[_STOP, 0] - x, arc[_STOP, 1] - y)
+        if min(first, last) < tolerance[2]:  # of an arc of a micrometre between two steps
+            continue
         # controls differ in what they do with unlike radii: half their difference counts as well
         unlike = abs(first - last)
         if unlike > max(tolerance[0], tolerance[1] * max(first, last)) or 0.5 * unlike > least:

@@ -23,6 +23,8 @@ __all__ = ["Expanded", "expanded", "job_of_control", "prepare_plain"]
 #: two readings of one path differ by no more
 _SAME_MM = 1e-9
 _SAME_FEED = 1e-5
+#: controls that count milliseconds round a pause
+_SAME_PAUSE_S = 1e-3
 
 
 def expanded(program: Program, *, floating_tap: bool = True) -> tuple[Program, Expanded]:
@@ -109,7 +111,7 @@ def _check_same_path(program: Program, again: Program, step: Expanded) -> None:
     else:
         line = min(step.reasons)
     raise InputError(
-        "written out, the program would follow another path",
+        "written out, the program would follow another path or pause for another time",
         file=program.path,
         line=line,
         hint="post the program without cycles, subprograms and cutter compensation",
@@ -135,5 +137,7 @@ def _different(old: Moves, new: Moves) -> np.ndarray:
     for share in (0.0, 0.25, 0.5, 0.75, 1.0):
         places = [position_at(moves, rows, np.full(len(rows), share)) for moves in (old, new)]
         wrong |= (np.abs(places[0] - places[1]) > _SAME_MM).any(axis=1)
+    pauses = np.abs(old.duration_s - new.duration_s) > _SAME_PAUSE_S
+    wrong |= pauses & (old.kind == MoveKind.DWELL)
     feeds = np.abs(old.feed_mm_per_min - new.feed_mm_per_min)
     return wrong | (feeds > _SAME_FEED * np.maximum(old.feed_mm_per_min, 1.0))

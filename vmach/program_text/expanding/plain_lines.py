@@ -141,7 +141,8 @@ class _Writer:
         """Why a line is to be written out."""
         step, rows = self.steps.get(line), self._rows(line)
         moving = rows[self.moves.kind[rows] != MoveKind.DWELL]
-        if self.blocks.waits(line):
+        made_later = step is not None and not step.blocks and len(moving) > 0  # as under RNDM
+        if self.blocks.waits(line) or made_later:
             return "corner or modal call: its moves"
         if step is None or not len(moving) or step.unwritable:
             return None

@@ -1,4 +1,4 @@
-"""Canned cycles, cutter compensation and polar words written out as G0, G1, G2, G3 and G4."""
+"""Canned cycles, cutter compensation, corners and polar words as G0, G1, G2, G3 and G4."""
 
 from __future__ import annotations
 
@@ -29,6 +29,7 @@ _PATH_CONTROL = {"G61", "G61.1", "G64"}
 _GONE_WORDS = frozenset("XYZIJKRPQLD@^")
 _AXES = "XYZ"
 _STILL_MM = 1e-9
+_CORNER = "corner: lines and arcs"
 _REFERENCE = {"G28", "G30"}
 
 
@@ -72,6 +73,8 @@ def _write_step(writer: _Writer, step: Step, *, floating_tap: bool) -> None:
     if (refused := _refused(step, rows)) is not None:
         raise InputError(f"{refused} cannot be compensated", file=path, line=step.line)
     why = _why(step, rows)
+    if why is None and len(rows) > 1 and writer.has_corner(step.line):
+        why = _CORNER
     if why and step.modes.motion in _TAPPING and not floating_tap:
         raise InputError(
             f"tapping cycle {step.modes.motion} cannot be written out for this control",
@@ -113,6 +116,7 @@ class _Writer:
     resume: str | None = None  #: words that end the exact stops of a run of cycles
     said_control: str = "G64"
     ended_compensation: bool = False
+    after_corner: bool = False  #: the line before ends where its rounding or chamfer does
 
     def __post_init__(self) -> None:
         self.path = self.program.record.path()
@@ -157,12 +161,25 @@ class _Writer:
                 why = "modal motion of the lines before it"
             elif self._goes_elsewhere(step, rows):
                 why = "cutter compensation: the programmed point after its end"
+            elif self.after_corner:
+                why = _CORNER
         if why is None:
             self.lines.keep(line)
             if step is not None and step.g_names & (_PLAIN | {"G80"}):
                 self.motion = None
         else:
             self._write_out(line, step, rows, why)
+        if len(rows):
+            self.after_corner = self.has_corner(line)
+
+    def has_corner(self, line: int) -> bool:
+        """A word such as ``,R5.`` or ``,C2.``, a rounding or a chamfer behind the move."""
+        return any(self._is_corner(line, word) for word in self.program.source.words(line))
+
+    def _is_corner(self, line: int, word: Word) -> bool:
+        source = self.program.source
+        before = source.line(line)[: word.span[0] - int(source.line_starts[line - 1])]
+        return before.rstrip(" \t").endswith(",")
 
     def plain_lines(self, lines: PlainLines) -> None:
         """Copy lines of plain motion; the first of them may not be able to stay."""
@@ -176,7 +193,8 @@ class _Writer:
     @property
     def _is_unsettled(self) -> bool:
         """Lines have been written out, on which the next line that moves may rely."""
-        return self.motion is not None or self.ended_compensation or self.resume is not None
+        pending = self.motion is not None or self.resume is not None
+        return pending or self.ended_compensation or self.after_corner
 
     def _step(self, lines: PlainLines, line: int) -> Step:
         """The step of one line of plain motion."""
@@ -221,7 +239,7 @@ class _Writer:
     def _head(self, line: int, step: Step, block: str) -> str:
         """The line with its motion words replaced by a block."""
         source, start = self.program.source, int(self.program.source.line_starts[line - 1])
-        words = [w for w in source.words(line) if self._goes(w, step)]
+        words = [w for w in source.words(line) if self._goes(w, step) or self._is_corner(line, w)]
         text = source.line(line)
         if step.modes.feed_mode == "inverse":
             words += [w for w in source.words(line) if w.letter == "F"]
@@ -234,6 +252,8 @@ class _Writer:
         pieces, position = [], 0
         for word in words:
             before = text[position : word.span[0] - start]
+            if self._is_corner(line, word):
+                before = before.rstrip(" \t").removesuffix(",")
             first = word is words[0] and block
             pieces += [before, block] if first else [before.rstrip(" \t") if position else before]
             position = word.span[1] - start
@@ -273,7 +293,7 @@ class _Blocks:
                 yield from before
                 seconds = self.writer.seconds.get(row, 0.0)
                 if seconds:
-                    yield "G4 P" + number_text("P", seconds).removesuffix(".")
+                    yield self.writer.program.language.pause(seconds)
                 yield from after
             else:
                 yield self._move(row)

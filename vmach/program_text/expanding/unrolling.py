@@ -14,6 +14,8 @@ __all__ = ["unrolled"]
 
 #: a program that runs more lines than this is not written out
 _MOST_LINES = 200_000
+#: codes whose P is a pause
+_PAUSING = {"G4", "G74", "G76", "G77", "G82", "G84", "G86", "G88", "G89"}
 _FLOW = "loop, branch or subprogram: blocks in the order in which they run"
 _NUMBERS = "parameters and expressions: their values"
 _LABEL = re.compile(r"^(\s*/?\s*)N\s*(\d+(?:\.\d*)?)\s*", re.IGNORECASE)
@@ -146,7 +148,8 @@ def _with_values(program: Program, step: Step, *, settings: bool) -> str | None:
     """The line with numbers; parameter settings stay only where asked for."""
     text = program.source.line(step.line)
     try:
-        items = list(_items(text, step, settings=settings))
+        pointed = program.language.pointed_pause and bool(step.g_names & _PAUSING)
+        items = list(_items(text, step, settings=settings, pointed_pause=pointed))
     except (ProgramError, StopIteration):
         raise InputError(
             f"a block inside a control statement cannot be written out: '{text.strip()}'",
@@ -162,7 +165,8 @@ def _with_values(program: Program, step: Step, *, settings: bool) -> str | None:
     return " ".join(words).replace("/ ", "/") or None
 
 
-def _items(text: str, step: Step, *, settings: bool) -> Iterator[str]:
+def _items(text: str, step: Step, *, settings: bool, pointed_pause: bool) -> Iterator[str]:
+    """Words with their values; a pause that had no count of milliseconds keeps its point."""
     g_codes, m_codes = iter(step.g_codes), iter(step.m_codes)
     for kind, value in block_items(text):
         if kind == "#":
@@ -174,5 +178,7 @@ def _items(text: str, step: Step, *, settings: bool) -> Iterator[str]:
             yield kind + value.removeprefix("/")
         elif kind in "GM":
             yield kind + number_text(kind, next(g_codes if kind == "G" else m_codes))
+        elif kind == "P" and pointed_pause and not value.isdigit():
+            yield kind + number_text("X", step.words[kind])
         else:
             yield kind + number_text(kind, step.words[kind])

@@ -54,7 +54,7 @@ class Run(NamedTuple):
     side : (M, 2) int8
         First and second axis of the plane.
     absolute_centre : (M,) bool
-    tolerance : (M, 2) float64
+    tolerance : (M, 3) float64
         Of the radii of arcs, see `fit_arc`.
     first, last, fill : (M, 7)
         Span and decimals of every number; -1 for no word.

@@ -91,7 +91,7 @@ class RunColumns:
         steps = np.array([10.0**-d for d in decimals])
         decimals = np.array(decimals, np.int64)[which]
         arcs = plain.control.arcs
-        tolerance = np.array([(arcs.absolute(unit), arcs.relative) for unit in units.tolist()])
+        tolerance = np.array([arcs.limits(unit) for unit in units.tolist()])
         fill, bare, plus = self._habits(words, decimals)
         return Run(np.where(self.is_plain, only_piece, -1), self.code, words.motion, self.unit_mm,
                    decimals, steps[which], plain.programmed, plain.start_mm, plain.end_mm,

@@ -2,7 +2,7 @@
 
 from vmach.effects.effect import along
 from vmach.effects.laws.tool.sudden import Sudden, moment
-from vmach.effects.laws.tool.tool_size import OfOneTool, by_tool
+from vmach.effects.laws.tool.tool_size import OfOneTool, by_radius, by_tool
 from vmach.effects.parameter import linear
 
 __all__ = ["ToolChip"]
@@ -18,7 +18,7 @@ class ToolChip(Sudden, OfOneTool):
     title = "tool whose edge chipped"
     commonness = 11
     shows_as = "walls and floors that this tool cut after a moment: an edge broke, material is left"
-    law = "(radius n_xy + length ê_z) H(t - t_0) [T1]"
+    law = "(radius ρ n + length ê_z) H(t - t_0) [T1]"
     source = (
         "equation (24) of docs/laws.md; closed form derived here: radius and length change "
         "by a step in time"
@@ -40,5 +40,5 @@ class ToolChip(Sudden, OfOneTool):
 
     def displacement(self, path, target, radius_um, length_um, time_s):
         chipped = by_tool(path, target) * (path.time_s > time_s)
-        walls = 1e-3 * radius_um * chipped[:, None] * path.side_normal
+        walls = 1e-3 * radius_um * chipped[:, None] * by_radius(path)
         return walls + along("Z", 1e-3 * length_um * chipped)

@@ -4,10 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 
+from stock import Tool
 from vmach.effects.effect import Effect, along
 from vmach.effects.parameter import inner, linear
 
-__all__ = ["OfOneTool", "Runout", "ToolLength", "ToolRadius", "ToolWear", "by_tool"]
+__all__ = [
+    "OfOneTool",
+    "Runout",
+    "ToolLength",
+    "ToolRadius",
+    "ToolWear",
+    "by_radius",
+    "by_swing",
+    "by_tool",
+]
 
 
 class OfOneTool(Effect):
@@ -23,16 +33,19 @@ class OfOneTool(Effect):
 
 
 class ToolRadius(OfOneTool):
-    """The tool is thicker than in the tool table: it takes more from every wall."""
+    """The tool is thicker than in the tool table: it takes more from every wall.
+
+    It is thicker at every height. A ball is a larger ball, and its tip stays where it was.
+    """
 
     name = "tool_radius"
     title = "radius of the tool"
     commonness = 29
     shows_as = "walls that this tool cut"
-    law = "-radius [T1] n_xy"
+    law = "-radius [T1] ρ n"
     source = (
-        "equation (6) of docs/laws.md; closed form derived here: a wall lies off by the "
-        "change of radius, along its normal"
+        "equation (6) of docs/laws.md; closed form derived here: the support function "
+        "of the tool's outline changes by ρ for one unit of radius"
     )
     parameters = (linear("radius_um", "true minus stated radius", usual=10.0),)
     is_never_exact = imitates_as_team = True
@@ -43,7 +56,7 @@ class ToolRadius(OfOneTool):
     cure = "enter the measured radius in the tool table"
 
     def displacement(self, path, target, radius_um):
-        return -1e-3 * radius_um * by_tool(path, target)[:, None] * path.side_normal
+        return -1e-3 * radius_um * by_tool(path, target)[:, None] * by_radius(path)
 
 
 class Runout(OfOneTool):
@@ -57,10 +70,11 @@ class Runout(OfOneTool):
     title = "runout of the tool"
     commonness = 9
     shows_as = "walls that this tool cut; a flute that cuts alone leaves feed marks"
-    law = "(marks_share f^2/(24 R) - runout) [T1] n_xy, f the feed of one turn"
+    law = "(marks_share f^2/(24 R) - runout) [T1] ν n, f the feed of one turn"
     source = (
         "equation (26) of docs/laws.md; closed form derived here: a flute of radius R leaves "
-        "marks f^2 / (8 R) high, f^2 / (24 R) in the mean"
+        "marks f^2 / (8 R) high, f^2 / (24 R) in the mean; an outline that swings out by "
+        "r covers r ν more along the normal"
     )
     parameters = (
         replace(
@@ -86,7 +100,7 @@ class Runout(OfOneTool):
         turn_mm = path.feed_per_tooth_mm * np.nan_to_num(path.of_tool("flutes"), nan=2.0)
         marks_mm = turn_mm**2 / (24.0 * 0.5 * path.of_tool("diameter_mm"))
         left_mm = marks_share * marks_mm - 1e-3 * runout_um
-        return (left_mm * by_tool(path, target))[:, None] * path.side_normal
+        return (left_mm * by_tool(path, target))[:, None] * by_swing(path)
 
 
 class ToolWear(OfOneTool):
@@ -96,7 +110,7 @@ class ToolWear(OfOneTool):
     title = "wear of the tool"
     commonness = 26
     shows_as = "walls, with the cutting length"
-    law = "wear (cutting length/10 m)^exponent [T1] n_xy"
+    law = "wear (cutting length/10 m)^exponent [T1] ρ n"
     source = (
         "equation (9) of docs/laws.md; ISO 8688-2, tool life in end milling; the power of "
         "the cutting length is empirical"
@@ -123,7 +137,7 @@ class ToolWear(OfOneTool):
     def displacement(self, path, target, wear_um, exponent):
         way = (path.cutting_length_mm / 10e3) ** exponent
         left_mm = 1e-3 * wear_um * way * by_tool(path, target)
-        return left_mm[:, None] * path.side_normal
+        return left_mm[:, None] * by_radius(path)
 
 
 class ToolLength(OfOneTool):
@@ -152,3 +166,25 @@ class ToolLength(OfOneTool):
 def by_tool(path, target: str) -> np.ndarray:
     """1 where the state belongs to the tool ``T1`` ..., else 0; (P,)."""
     return (path.tool == int(target[1:])).astype(float)
+
+
+def by_radius(path) -> np.ndarray:
+    """How far a surface lies off, along its outward normal, for one unit of the tool's radius.
+
+    (P, 3). An outline that is wider at every height moves a surface by the part of its normal
+    across the tool; a ball whose tip stays moves it by 1 - n_z.
+    """
+    balls = [number for number, tool in path.job.tools.items() if _ends_in_a_ball(tool.cutter)]
+    ball_share = 1.0 - path.normal[:, 2:]
+    share = np.linalg.norm(path.side_normal, axis=1, keepdims=True)
+    return np.where(np.isin(path.tool, balls)[:, None], ball_share, share) * path.normal
+
+
+def by_swing(path) -> np.ndarray:
+    """The same for one unit by which the outline swings out of the tool's axis, (P, 3)."""
+    return np.linalg.norm(path.side_normal, axis=1, keepdims=True) * path.normal
+
+
+def _ends_in_a_ball(cutter: Tool) -> bool:
+    """Whether the rounding at the tip has its centre on the axis, as that of a ball end mill."""
+    return cutter.corners[0].r_mm == 0.0 and cutter.corners[0].radius_mm > 0.0
