@@ -9,9 +9,8 @@ um; lengths mm, times s. The machine has tables of positions and straightness, w
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -257,11 +256,15 @@ X, Y, Z = np.eye(3)
 
 @dataclass(frozen=True)
 class Hidden:
-    """A cause: its name and target in the library's words, numbers that intervals have to hold."""
+    """A cause: its name and target in the library's words, numbers that intervals have to hold.
+
+    `seen_um` is what the readings show of it, RMS, beyond the part's alignment and other causes.
+    """
 
     label: str
     law: Callable[[Reading], np.ndarray]
     numbers: dict[str, float] = field(default_factory=dict)
+    seen_um: float = np.nan
 
 
 def _either(random, low: float, high: float) -> float:
@@ -416,8 +419,9 @@ def write_job(
     folder.mkdir(parents=True, exist_ok=True)
     tables = _write_machine(folder, random)
     normal = np.array([r.normal for r in walk.readings])
-    moved = np.array([_of_tables(tables, r) + sum(h.law(r) for h in hidden) for r in walk.readings])
-    off_um = np.einsum("ij,ij->i", normal, moved) + _noise_um(noise, walk.readings, random)
+    shown_um = [_along_normal(cause.law, walk.readings) for cause in hidden]
+    of_machine_um = _along_normal(lambda r: _of_tables(tables, r), walk.readings)
+    off_um = of_machine_um + sum(shown_um) + _noise_um(noise, walk.readings, random)
     measured = np.array([r.point_mm for r in walk.readings]) + 1e-3 * off_um[:, None] * normal
     if noise == "rigid":
         turn, shift = random.normal(size=3) * 60e-6, random.normal(size=3) * 0.03
@@ -432,9 +436,23 @@ def write_job(
     (folder / "part.nc").write_text("\n".join(walk.lines) + "\n")
     (folder / "measured.csv").write_text("\n".join(rows) + "\n")
     (folder / "job.toml").write_text(_job_text())
-    told = [{"label": h.label, "numbers": h.numbers} for h in hidden]
-    (folder / "truth.json").write_text(json.dumps(told, indent=1, default=float))
-    return hidden
+    seen = _seen_um(walk.readings, shown_um)
+    return [replace(cause, seen_um=own) for cause, own in zip(hidden, seen, strict=True)]
+
+
+def _along_normal(law: Callable, readings: Sequence[Reading]) -> np.ndarray:
+    return np.array([reading.normal @ law(reading) for reading in readings])
+
+
+def _seen_um(readings: Sequence[Reading], shown_um: Sequence[np.ndarray]) -> list[float]:
+    """RMS of what each cause shows beyond a rigid motion of the part and the other causes."""
+    rigid = np.array([[*r.normal, *np.cross(r.point_mm, r.normal)] for r in readings])
+    seen = []
+    for k, own in enumerate(shown_um):
+        beside = np.column_stack([rigid, *(other for j, other in enumerate(shown_um) if j != k)])
+        left = own - beside @ np.linalg.lstsq(beside, own, rcond=None)[0]
+        seen.append(float(np.sqrt(np.mean(left**2))))
+    return seen
 
 
 def _noise_um(noise: str, readings: Sequence[Reading], random: np.random.Generator) -> np.ndarray:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
@@ -120,26 +121,32 @@ class Forms:
     def _says_the_same(
         self, found: Explanation, labels: AbstractSet[str], instead: AbstractSet[str]
     ) -> bool:
-        """Whether a form of another set does what one amount of an effect does that it gives up.
+        """Whether a form of another set does what an effect that it gives up does as well.
 
-        On one target or on several: two tools that wear alike are still tools that wear. Several
-        amounts of one target together follow another cause by chance.
+        With as many amounts, on one target or on several: two tools that wear alike are still
+        tools that wear. More amounts follow another cause by chance, as a curve does.
         """
         new = [form for label, form in self._chosen.items() if label in instead - labels]
-        by_amount: dict[tuple[str, int], list[np.ndarray]] = {}
-        for term in found.terms if new else ():
-            if term.label in labels - instead:
-                for k, moved in enumerate(self._amounts_mm(term)):
-                    by_amount.setdefault((term.effect.name, k), []).append(moved)
-        spans = [orthonormal(np.hstack(moved)) for moved in by_amount.values()]
-        spaces = [self._columns.space_of(form) for form in new]
-        return any(share_within(s, span) > _SAME for s in spaces for span in spans)
+        gone = [
+            t for t in found.terms if t.label in labels - instead and not t.effect.corrects_table
+        ]
+        for form in new:
+            space = self._columns.space_of(form)
+            by_amounts: dict[Hashable, list[np.ndarray]] = {}
+            for term in gone:
+                moved = self._amounts_mm(term)
+                for some in combinations(range(moved.shape[1]), space.shape[1]):
+                    by_amounts.setdefault((term.effect.name, some), []).append(moved[:, some])
+            spans = (orthonormal(np.hstack(moved)) for moved in by_amounts.values())
+            if any(share_within(space, span) > _SAME for span in spans):
+                return True
+        return False
 
-    def _amounts_mm(self, term: Term) -> Iterator[np.ndarray]:
-        """What each amount of an effect does alone beyond alignment, (n, 1) each."""
+    def _amounts_mm(self, term: Term) -> np.ndarray:
+        """What each amount of an effect does alone beyond alignment, (n, K)."""
         survey = self._weighing.survey
         columns = survey.signature(term.effect, term.target, term.inner)
-        yield from np.hsplit(columns - survey.aligned(columns), columns.shape[1])
+        return columns - survey.aligned(columns)
 
     def _moved_mm(self, found: Explanation, k: int) -> np.ndarray:
         """What effect k of an explanation does beyond alignment, (n, 1)."""
