@@ -206,6 +206,19 @@ def test_the_next_measurement_would_refute_the_first_form(pushed_job, words, sai
     assert (test.program is not None) == is_runnable
 
 
+def test_an_amount_that_may_be_zero_decides_no_measurement(pushed_job):
+    weighing = prepare_weighing(survey_job(pushed_job))
+    columns = FormColumns(weighing.survey)
+    listed = {form.formula: columns.held(form) for form in columns.forms}
+    amounts = {"amount_1_um": -9.0, "amount_2_um": 6.0, "amount_3_um": -50.0}
+    u = {"amount_1_um": 1.0, "amount_2_um": 1.0, "amount_3_um": 45.0}
+    form = listed["time in hours, along X, Y and Z"]
+    proposal = Proposal(form, amounts, u, 2.0, 50.0, 0.1, (2.0, 0.6))
+    unknown = (something_unknown(()),)
+    test = next_measurement(weighing, weighing.nothing(), unknown, (proposal,))
+    assert "along Z" not in test.text
+
+
 def test_every_number_that_decides_is_told():
     said = run("diagnose", "--rules")
     assert len(RULES) <= 8

@@ -21,7 +21,6 @@ from vmach.diagnosis.proposals.form import FormEffect
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.proposals.states import CUT
 from vmach.effects import Circumstances
-from vmach.effects.effect import at_contact
 from vmach.fit.terms import Term
 from vmach.fit.whitening import orthonormal
 from vmach.instruments import PlannedTest, planned_tests
@@ -110,14 +109,22 @@ def _for_form(job: Job, proposal: Proposal) -> NextMeasurement:
 
 
 def _power_of_form(test: PlannedTest, path: Circumstances, proposal: Proposal) -> float:
-    """What the test would show of a form, in standard uncertainties."""
+    """What the test would show of a form, in standard uncertainties.
+
+    Those of its amounts count with the test's: an amount that may as well be zero shows nothing.
+    """
     if proposal.form.needs_surface or proposal.form.kinds & CUT:
         return 0.0
     effect = FormEffect(proposal.form, len(proposal.amounts_um))
-    moved = at_contact(effect.displacement(path, "", **proposal.amounts_um), path)
-    shown = np.einsum("pi,pi->p", test.sensing, moved)
+    shown = np.einsum("pi,pik->pk", test.sensing, effect.columns(path, "", {}))
     basis = orthonormal(test.nuisance, tolerance=1e-7)
-    return float(np.linalg.norm(shown - basis @ (basis.T @ shown))) / U_MM
+    left = (shown - basis @ (basis.T @ shown)) / U_MM
+    usual_um = np.array([p.usual for p in effect.amplitudes])
+    amounts = np.array([*proposal.amounts_um.values()]) / usual_um
+    u = np.array([*proposal.u_um.values()]) / usual_um
+    gram = left.T @ left
+    squared = amounts @ gram @ np.linalg.solve(np.eye(len(u)) + u[:, None] ** 2 * gram, amounts)
+    return float(np.sqrt(squared))
 
 
 def _labels(weighing: Weighing, finding: Finding) -> list[str]:
