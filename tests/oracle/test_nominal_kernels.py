@@ -54,6 +54,21 @@ def test_nearest_parameters_of_points_on_a_surface():
     assert surface.parameters(surface.evaluate(uv)) == pytest.approx(uv, abs=1e-12)
 
 
+def test_nearest_parameters_about_a_pole():
+    """Half a dome of radius 10: a quarter circle (u) that is turned by half a turn (v), exactly."""
+    h = np.sqrt(0.5)
+    profile, turn = [(1, 0), (1, 1), (0, 1)], [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0)]
+    control = 10.0 * np.array([[(r * x, r * y, z) for x, y in turn] for r, z in profile])
+    weights = np.outer([1, h, 1], [1, h, 1, h, 1])
+    ends = (np.array([0.0, 0, 0, 1, 1, 1]), np.array([0, 0, 0, 0.5, 0.5, 1, 1, 1]))
+    surface = BSplineSurface(control, weights, ends, (2, 2))
+    away, around = np.meshgrid(np.geomspace(1e-6, 1.5, 100), np.linspace(0.0, np.pi, 7))
+    points = 10.0 * np.stack([
+        np.sin(away) * np.cos(around), np.sin(away) * np.sin(around), np.cos(away),
+    ], axis=-1).reshape(-1, 3)  # fmt: skip
+    assert surface.evaluate(surface.parameters(points)) == pytest.approx(points, abs=1e-12)
+
+
 @pytest.mark.parametrize(("degree", "clamped"), [(1, False), (3, True), (5, False)])
 def test_curve_and_its_inverse(degree, clamped):
     rng = np.random.default_rng(5)

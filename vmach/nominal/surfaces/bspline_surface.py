@@ -18,6 +18,8 @@ __all__ = ["BSplineSurface"]
 
 #: places of every knot span from which the nearest point is looked for
 _SEEDS_PER_SPAN = 6
+#: slope along u or v, as a share of its largest on the surface, below which a place is a pole
+_STILL = 1e-9
 
 
 class BSplineSurface:
@@ -59,6 +61,7 @@ class BSplineSurface:
         self._seed_uv = np.stack(np.meshgrid(*grid, indexing="ij"), axis=-1).reshape(-1, 2)
         self._period = np.zeros(2)
         self._period = self._find_periods(grid, np.ptp(control_mm.reshape(-1, 3), axis=0).max())
+        self._seed_uv = self._seed_uv[self._is_smooth(self._seed_uv)]
         self._tree = cKDTree(self.evaluate(self._seed_uv))
 
     @property
@@ -77,6 +80,12 @@ class BSplineSurface:
         spans = np.unique(np.clip(knots, self._low[axis], self._high[axis]))
         where = np.linspace(0, len(spans) - 1, _SEEDS_PER_SPAN * (len(spans) - 1) + 1)
         return np.interp(where, np.arange(len(spans)), spans)
+
+    def _is_smooth(self, uv: np.ndarray) -> np.ndarray:
+        """Where a point moves along both u and v, (N,) bool; at a pole no search finds its way."""
+        speed = np.linalg.norm(self.derivatives(uv), axis=2)
+        smooth = (speed > _STILL * speed.max(axis=1, keepdims=True)).all(axis=0)
+        return smooth if smooth.any() else np.ones(len(uv), dtype=bool)
 
     def _find_periods(self, grid: list[np.ndarray], size: float) -> np.ndarray:
         """A surface whose opposite ends coincide is closed in that direction."""
