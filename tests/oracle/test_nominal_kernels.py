@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.interpolate import BSpline, NdBSpline
+from scipy.interpolate import BSpline, NdBSpline, make_interp_spline
 from scipy.spatial import Delaunay, cKDTree
 
 from vmach.nominal.frame import Frame
@@ -67,6 +67,19 @@ def test_nearest_parameters_about_a_pole():
         np.sin(away) * np.cos(around), np.sin(away) * np.sin(around), np.cos(away),
     ], axis=-1).reshape(-1, 3)  # fmt: skip
     assert surface.evaluate(surface.parameters(points)) == pytest.approx(points, abs=1e-12)
+
+
+def test_nearest_parameters_on_a_thread_of_high_degree():
+    """Nine turns of an M6 thread, pitch 1 mm: a span of degree 13 holds more than one turn."""
+    turns = 2.0 * np.pi * 9.0 * 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 21)))
+    rows = [make_interp_spline(turns, np.stack([
+        r * np.cos(turns), r * np.sin(turns), z + turns / (2.0 * np.pi)
+    ], axis=1), 13) for r, z in ((3.0, 0.0), (2.4, 0.4))]  # fmt: skip
+    control = np.stack([row.c for row in rows], axis=1)
+    ends = (rows[0].t, np.array([0.0, 0.0, 1.0, 1.0]))
+    surface = BSplineSurface(control, np.ones(control.shape[:2]), ends, (13, 1))
+    uv = np.random.default_rng(6).uniform((0.0, 0.0), (turns[-1], 1.0), (500, 2))
+    assert surface.parameters(surface.evaluate(uv)) == pytest.approx(uv, abs=1e-9)
 
 
 @pytest.mark.parametrize(("degree", "clamped"), [(1, False), (3, True), (5, False)])
