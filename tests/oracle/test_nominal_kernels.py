@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.interpolate import BSpline, NdBSpline
+from scipy.interpolate import BSpline, NdBSpline, make_interp_spline
 from scipy.spatial import Delaunay, cKDTree
 
 from vmach.nominal.frame import Frame
@@ -52,6 +52,34 @@ def test_nearest_parameters_of_points_on_a_surface():
     surface = BSplineSurface(control, np.ones(x.shape), (np.r_[0, u, 3], v), (3, 2))
     uv = rng.uniform(0.0, 3.0, (200, 2))
     assert surface.parameters(surface.evaluate(uv)) == pytest.approx(uv, abs=1e-12)
+
+
+def test_nearest_parameters_about_a_pole():
+    """Half a dome of radius 10: a quarter circle (u) that is turned by half a turn (v), exactly."""
+    h = np.sqrt(0.5)
+    profile, turn = [(1, 0), (1, 1), (0, 1)], [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0)]
+    control = 10.0 * np.array([[(r * x, r * y, z) for x, y in turn] for r, z in profile])
+    weights = np.outer([1, h, 1], [1, h, 1, h, 1])
+    ends = (np.array([0.0, 0, 0, 1, 1, 1]), np.array([0, 0, 0, 0.5, 0.5, 1, 1, 1]))
+    surface = BSplineSurface(control, weights, ends, (2, 2))
+    away, around = np.meshgrid(np.geomspace(1e-6, 1.5, 100), np.linspace(0.0, np.pi, 7))
+    points = 10.0 * np.stack([
+        np.sin(away) * np.cos(around), np.sin(away) * np.sin(around), np.cos(away),
+    ], axis=-1).reshape(-1, 3)  # fmt: skip
+    assert surface.evaluate(surface.parameters(points)) == pytest.approx(points, abs=1e-12)
+
+
+def test_nearest_parameters_on_a_thread_of_high_degree():
+    """Nine turns of an M6 thread, pitch 1 mm: a span of degree 13 holds more than one turn."""
+    turns = 2.0 * np.pi * 9.0 * 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 21)))
+    rows = [make_interp_spline(turns, np.stack([
+        r * np.cos(turns), r * np.sin(turns), z + turns / (2.0 * np.pi)
+    ], axis=1), 13) for r, z in ((3.0, 0.0), (2.4, 0.4))]  # fmt: skip
+    control = np.stack([row.c for row in rows], axis=1)
+    ends = (rows[0].t, np.array([0.0, 0.0, 1.0, 1.0]))
+    surface = BSplineSurface(control, np.ones(control.shape[:2]), ends, (13, 1))
+    uv = np.random.default_rng(6).uniform((0.0, 0.0), (turns[-1], 1.0), (500, 2))
+    assert surface.parameters(surface.evaluate(uv)) == pytest.approx(uv, abs=1e-9)
 
 
 @pytest.mark.parametrize(("degree", "clamped"), [(1, False), (3, True), (5, False)])

@@ -1,6 +1,7 @@
 """Small STEP solids against another kernel's points, normals and figures (make_solids.py)."""
 
 import json
+import math
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from scipy.integrate import quad
 from scipy.interpolate import BSpline
 
 from vmach.nominal import read_nominal
+from vmach.nominal.feature_surface import surface_of_face
 
 CAD = Path(__file__).parents[1] / "golden" / "cad"
 FACTS = json.loads((CAD / "solids.json").read_text())
@@ -99,6 +101,69 @@ def test_a_face_whose_flag_contradicts_its_edges_keeps_their_side(tmp_path):
     first = np.unique(right.feature[:1])[0]
     normals = [points.normal[points.feature == first].mean(axis=0) for points in (right, wrong)]
     assert np.allclose(*normals, atol=1e-12)
+
+
+#: the wall of `turned`: flag, surface, curve of its seam, radius at the top, outline
+CROWN = float(np.sqrt(30.0**2 - 10.0**2) - 10.0)
+WALLS = {
+    # the tube of a torus, 30 mm wide, beyond the axis
+    "crowned roller": (
+        ".F.", f"TOROIDAL_SURFACE('',#11,{CROWN!r},30.)", (0, 0, 10), (0, 0, 1),
+        "CIRCLE('',#907,30.)", 10.0, lambda z: np.sqrt(30.0**2 - (z - 10.0) ** 2) - CROWN,
+    ),
+    # the half of a cone beyond its apex at z = -100
+    "cone beyond its apex": (
+        ".T.", f"CONICAL_SURFACE('',#11,1.,{math.atan(0.1)!r})", (0, 0, -110), (0, 0, -1),
+        "LINE('',#23,#905)", 12.0, lambda z: 10.0 + 0.1 * z,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", WALLS)
+def test_the_other_side_of_a_surface_about_an_axis(tmp_path, name):
+    """ISO 10303-42: R + r cos v and R + v tan(a) may be negative; volume and normals by hand."""
+    flag, wall, at, axis, seam, top, outline = WALLS[name]
+    text = turned_text(top).replace("(#18),#31,.T.", f"(#18),#31,{flag}")
+    text = replaced(text, 31, wall.replace("#11", "#901"))
+    text = replaced(text, 65, seam)
+    more = f"""#901=AXIS2_PLACEMENT_3D('',#902,#903,#14);
+#902=CARTESIAN_POINT('',{float(at[0]), float(at[1]), float(at[2])});
+#903=DIRECTION('',{float(axis[0]), float(axis[1]), float(axis[2])});
+#905=VECTOR('',#906,1.);
+#906=DIRECTION('',(2.,0.,20.));
+#907=AXIS2_PLACEMENT_3D('',#908,#909,#14);
+#908=CARTESIAN_POINT('',({-CROWN!r},0.,10.));
+#909=DIRECTION('',(0.,-1.,0.));
+"""
+    path = tmp_path / "turned.step"
+    path.write_text(text.replace("ENDSEC;\nEND-ISO", more + "ENDSEC;\nEND-ISO"))
+    part = read_nominal(path)
+    volume = quad(lambda z: np.pi * outline(z) ** 2, 0.0, 20.0)[0]
+    assert part.volume_mm3 == pytest.approx(volume, rel=1e-6)
+    points = part.sample(2.0)
+    own = points.feature == part.faces[0].name
+    x, y, z = points.point_mm[own].T
+    np.testing.assert_allclose(np.hypot(x, y), outline(z), atol=1e-9)
+    slope = (outline(z + 1e-5) - outline(z - 1e-5)) / 2e-5
+    normal = np.column_stack([x / np.hypot(x, y), y / np.hypot(x, y), -slope])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    np.testing.assert_allclose(points.normal[own], normal, atol=1e-6)
+    feature = surface_of_face(part.faces[0], points.point_mm[own], points.normal[own])
+    off = feature.distance_mm(points.point_mm[own] + 0.01 * normal)
+    np.testing.assert_allclose(off, 0.01, atol=1e-6)
+
+
+def turned_text(top):
+    """`revolved.step` with another radius at its top, z = 20."""
+    text = (CAD / "revolved.step").read_text()
+    text = text.replace("CARTESIAN_POINT('',(12.,0.,20.))", f"CARTESIAN_POINT('',({top},0.,20.))")
+    return text.replace("#89 = CIRCLE('',#90,12.)", f"#89 = CIRCLE('',#90,{top})")
+
+
+def replaced(text, number, entity):
+    """The text with another entity of a number."""
+    start = text.index(f"#{number} = ")
+    return text[:start] + f"#{number} = {entity}" + text[text.index(";", start) :]
 
 
 def test_volume_of_a_free_form_slot_is_that_of_its_centre_line():

@@ -21,7 +21,7 @@ from vmach.uncertainty.coverage import numerical_tolerance, shortest_interval
 from vmach.uncertainty.monte_carlo import Plan, propagate
 from vmach.uncertainty.points import draw_points, point_corrections, prediction_corrections
 from vmach.uncertainty.recut import recut
-from vmach.uncertainty.tables import Pool
+from vmach.uncertainty.tables import Pool, TableUncertainty
 from vmach.uncertainty.volumetric import draw_accuracy
 from vmach.volumetric import Volume, error_field
 
@@ -151,6 +151,53 @@ def test_corrections_of_two_walls_against_gtc(tmp_path):
         points.append(float(normal[0]) * error)
     expected = [[GTC.get_covariance(a, b) for a in points] for b in points]
     np.testing.assert_allclose(found @ found.T, expected, rtol=1e-3)
+
+
+def test_tables_apart_by_direction_and_lines_beyond_them_against_gtc():
+    """Every direction has readings of its own; a line that goes on carries both its points."""
+    knots, u_um = np.arange(-300.0, -99.0, 50.0), 0.8
+    there = np.array([-200.0, -185.0, -185.0, -185.0, -360.0, -40.0, -40.0])
+    way = np.array([1, 1, -1, 0, 1, 1, -1])
+    plain = machine_from_arrays(
+        "m", travel_mm={a: (-400.0, 0.0) for a in "XYZ"}, extrapolation="linear",
+        errors={"EZX": (knots, 0.01 * knots, 0.01 * knots + 3.0)},
+    )  # fmt: skip
+    stated = MeasuringUncertainty(u_um * 1e-3, 1e-12, 1e-12)
+    machine = replace(plain, uncertainty=stated, separate_directions=True)
+    nose, ways = np.zeros((2, len(there), 3))
+    nose[:, 0], ways[:, 0] = there, way
+    causes = TableUncertainty.of(machine).causes(machine, nose, 0 * nose, Variant.HTM, ways)
+    found = np.hstack([1e3 * c.lever.shift_mm[:, 2:] * c.size for c in causes])
+
+    # the mean of two independent readings has the stated uncertainty
+    both = [[GTC.ureal(0, np.sqrt(2.0) * u_um) for _ in knots] for _ in "fb"]
+    mean = [0.5 * (f + b) for f, b in zip(*both, strict=True)]
+    expected = []
+    for x, sign in zip(there, way, strict=True):
+        table = {1: both[0], -1: both[1], 0: mean}[sign]
+        k = int(np.clip((x + 300.0) // 50.0, 0, len(knots) - 2))
+        share = (x - knots[k]) / 50.0
+        expected.append((1 - share) * table[k] + share * table[k + 1])
+    covariance = [[GTC.get_covariance(a, b) for a in expected] for b in expected]
+    np.testing.assert_allclose(found @ found.T, covariance, rtol=1e-6, atol=1e-6)
+
+
+def test_a_line_beyond_a_curved_table_is_as_uncertain_as_the_curve_is_bent():
+    """A table of a parabola without noise: the line misses it by f'' s (s + h) / 2 at s beyond."""
+    knots, second = np.arange(-300.0, -99.0, 50.0), 2e-3
+    machine = replace(
+        machine_from_arrays(
+            "m", travel_mm={a: (-400.0, 0.0) for a in "XYZ"}, extrapolation="linear",
+            errors={"EZX": (knots, 0.5 * second * knots**2)},
+        ),
+        uncertainty=MeasuringUncertainty(1e-12, 1e-12, 1e-12),
+    )  # fmt: skip
+    nose = np.array([[-20.0, 0.0, 0.0], [-400.0, 0.0, 0.0]])
+    line = 1e3 * machine.components["EZX"].evaluate(nose[:, 0])
+    causes = TableUncertainty.of(machine).causes(machine, nose, 0 * nose, Variant.HTM)
+    found = np.hstack([1e3 * c.lever.shift_mm[:, 2:] * c.size for c in causes])
+    missed = 0.5 * second * nose[:, 0] ** 2 - line
+    np.testing.assert_allclose(np.linalg.norm(found, axis=1), np.abs(missed), rtol=1e-6)
 
 
 def test_curved_effects_against_draws_of_the_law_itself(tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 import re
+import tomllib
 from importlib import import_module
 
 import numpy as np
@@ -36,6 +37,16 @@ def test_it_says_sizes_with_their_uncertainty_and_how_the_error_fell(loose):
     found = json.loads(add(loose, "backlash:X", "--json"))
     assert found["rms_um"]["before"] > 1.0 > 0.7 > found["rms_um"]["after"]
     assert found["notes"] == []
+
+
+def test_what_a_job_leaves_open_is_as_wide_as_what_is_said(loose, tmp_path):
+    """GUM, eq. 13: independent changes add up in squares to the standard uncertainty of each."""
+    job = tmp_path / "loose.toml"
+    (found,) = json.loads(add(loose, "backlash:X", "--json", "-o", job))["effects"]
+    (fitted,) = tomllib.loads(job.read_text())["fitted"]
+    for name, u in found["u"].items():
+        wide = np.linalg.norm([change[name] for change in fitted["one_sigma"]])
+        assert wide == pytest.approx(u, rel=0.01), name
 
 
 def test_it_says_what_the_measurements_do_not_call_for(loose):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -122,7 +122,7 @@ def _named_effect(survey: Survey, fit: JointFit, k: int, *, is_called_for: bool)
     if term.effect.corrects_table:
         one_sigma = component_directions(fit, k, survey.paths[0])
     else:
-        one_sigma = fit.directions(k)
+        one_sigma = _as_wide_as(fitted.u, fit.directions(k))
     return NamedEffect(
         effect=term.effect,
         target=term.target,
@@ -132,6 +132,25 @@ def _named_effect(survey: Survey, fit: JointFit, k: int, *, is_called_for: bool)
         explained_mm=fit.explained_mm(k),
         is_called_for=is_called_for,
     )
+
+
+def _as_wide_as(u: Mapping[str, float], changes: Sequence[Mapping[str, float]]) -> list[dict]:
+    """Independent changes that together are as wide as the standard uncertainties.
+
+    Along tangents they are too wide or too narrow where a law is bent within its uncertainty. A
+    change keeps its direction, in which parameters make up for each other; its length is that
+    which the parameters ask for that it makes most of.
+    """
+    names = list(u)
+    along = np.array([[change[name] for name in names] for change in changes])
+    squared = np.square(along)
+    wide = squared.sum(axis=0)
+    moved = wide > 0.0
+    share = squared[:, moved] / wide[moved]
+    asked = np.square([u[name] for name in names])[moved] / wide[moved]
+    total = share.sum(axis=1)
+    factor = np.sqrt(np.divide(share @ asked, total, out=np.ones_like(total), where=total > 0.0))
+    return [dict(zip(names, row, strict=True)) for row in (factor[:, None] * along).tolist()]
 
 
 def _parsed(name: str) -> tuple[Effect, str | None]:

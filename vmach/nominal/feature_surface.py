@@ -37,6 +37,8 @@ def surface_of_face(face: Face, points: np.ndarray, normals: np.ndarray) -> Surf
         return Surface("plane", surface.frame.origin, sign * surface.frame.axes[2])
     if not isinstance(surface, Cylinder | Cone | Sphere | Torus):
         return _free(points, normals)
+    if isinstance(surface, Torus) and surface.major < surface.minor:
+        return _free(points, normals)  # its tube crosses the axis; the face may be on either side
     frame = surface.frame
     place, axis = frame.origin, frame.axes[2]
     if isinstance(surface, Torus):

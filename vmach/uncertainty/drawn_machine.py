@@ -49,15 +49,15 @@ class DrawnTables:
         total = RigidDisplacement.zero(len(states))
         for start in range(0, len(states), _BATCH):
             rows = slice(start, start + _BATCH)
-            for moved in self._moved(states.nose_mm[rows], states.tool_mm[rows]):
+            for moved in self._moved(states[rows]):
                 total.shift_mm[rows] += moved.shift_mm
                 total.tilt_rad[rows] += moved.tilt_rad
         return total
 
-    def _moved(self, nose_mm: np.ndarray, tool_mm: np.ndarray) -> Iterator[RigidDisplacement]:
+    def _moved(self, states: PathStates) -> Iterator[RigidDisplacement]:
         random = _stream(self.entropy, _TABLES)  # the same corrections wherever they are asked for
         known: dict[str, float] = {}
-        for cause in self.tables.causes(self.machine, nose_mm, tool_mm, self.variant):
+        for cause in self.tables.causes_of(self.machine, states, self.variant):
             drawn = random.standard_normal(cause.size.shape[1])
             yield cause.moved(drawn * self._widening(cause, known))
 

@@ -26,7 +26,9 @@ from vmach.machine import (
 )  # fmt: skip
 from vmach.machine.component_errors import component_of
 from vmach.machine.squareness import lean_direction, squareness_name
+from vmach.machine.tables.interpolation import Extrapolation
 from vmach.path.levers import levers, tilts_of_axes_rad
+from vmach.path.toolpath import PathStates
 from vmach.path.touched_zero import touched_zero
 
 __all__ = ["STATED", "Cause", "Pool", "TableUncertainty", "signature"]
@@ -139,8 +141,9 @@ class TableUncertainty:
         )
 
     def causes(
-        self, machine: Machine, nose_mm: np.ndarray, tool_mm: np.ndarray, variant: Variant
-    ) -> Iterator[Cause]:
+        self, machine: Machine, nose_mm: np.ndarray, tool_mm: np.ndarray, variant: Variant,
+        direction: np.ndarray | None = None,
+    ) -> Iterator[Cause]:  # fmt: skip
         """Every cause, always in the same order.
 
         Parameters
@@ -149,11 +152,15 @@ class TableUncertainty:
         nose_mm, tool_mm : (P, 3) float64
             Axis positions, and the vector from nose to tip.
         variant : Variant
+        direction : (P, 3) number, optional
+            Sign of the last motion of each axis, 0 where not known, where tables are kept apart by
+            it; without it the mean of both directions acts.
         """
         lever = levers(machine, nose_mm, tool_mm, variant)
         for name in COMPONENT_NAMES:
             if name in machine.components:
-                yield from self._of_table(machine.components[name], nose_mm, lever[name])
+                ways = None if direction is None else direction[:, component_of(name)[1]]
+                yield from self._of_table(machine.components[name], nose_mm, lever[name], ways)
         still = np.zeros_like(nose_mm)
         for axis, rotation in _SQUARENESSES:
             lean = np.multiply.outer(nose_mm[:, axis], lean_direction(axis, rotation))
@@ -165,12 +172,19 @@ class TableUncertainty:
             yield from self._of_places(machine, nose_mm, tool_mm)
 
     def _of_table(
-        self, table: ComponentError, nose_mm: np.ndarray, lever: RigidDisplacement
-    ) -> Iterator[Cause]:
+        self, table: ComponentError, nose_mm: np.ndarray, lever: RigidDisplacement,
+        ways: np.ndarray | None,
+    ) -> Iterator[Cause]:  # fmt: skip
         _, axis, angular = component_of(table.name)
-        hats, bump, interval = _hats_and_bumps(nose_mm[:, axis], table.position_mm)
+        hats, bump, interval = _hats_and_bumps(
+            nose_mm[:, axis], table.position_mm,
+            is_line_beyond=table.extrapolation is Extrapolation.LINEAR,
+        )  # fmt: skip
         u = self.reading_rad if angular else self.reading_mm
-        yield Cause(f"{table.name} readings", lever, u * hats, self.pools[int(angular)])
+        # one column for both directions is one reading, whichever way the axis came
+        is_one = ways is None or np.array_equal(table.forward, table.backward)
+        read = hats if is_one else _of_directions(hats, ways)
+        yield Cause(f"{table.name} readings", lever, u * read, self.pools[int(angular)])
         # one cause for all: where the curve bends one way, it does so over intervals
         bends = np.zeros_like(hats)
         bends[:, 0] = bump * self.bend[table.name][interval]
@@ -204,6 +218,11 @@ class TableUncertainty:
             ]
             yield Cause(f"{name} measuring point", unit, self.measured_at_mm * np.stack(read, 1))
 
+    def causes_of(self, machine: Machine, states: PathStates, variant: Variant) -> Iterator[Cause]:
+        """Every cause at states of a path."""
+        ways = states.direction if machine.separate_directions else None
+        return self.causes(machine, states.nose_mm, states.tool_mm, variant, ways)
+
     def factors(self, path: Circumstances, sensing: np.ndarray) -> np.ndarray:
         """Signature of every unit cause on readings along `sensing` (P, 3), (P, Q) mm."""
         return np.hstack([own for _, own in self.signatures(path, sensing)])
@@ -216,12 +235,11 @@ class TableUncertainty:
         On a part they count from the zero that was touched, as the prediction does.
         """
         zero = None if path.states.normal is None else touched_zero(path.job, path.states)
-        causes = self.causes(path.job.machine, path.nose_mm, path.tool_mm, path.variant)
+        causes = self.causes_of(path.job.machine, path.states, path.variant)
         if zero is None:
             yield from ((cause, signature(cause, path, sensing)) for cause in causes)
             return
-        touch = zero.states
-        there = self.causes(path.job.machine, touch.nose_mm, touch.tool_mm, path.variant)
+        there = self.causes_of(path.job.machine, zero.states, path.variant)
         for cause, at_touch in zip(causes, there, strict=True):
             moved = at_touch.lever.shift_mm[:, :, None] * at_touch.size[:, None, :]
             taken_off = np.einsum("pi,pik->pk", sensing, zero.shift_mm(moved))
@@ -270,8 +288,23 @@ def _root_mean_square(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
+def _of_directions(hats: np.ndarray, ways: np.ndarray) -> np.ndarray:
+    """What the readings of either direction do, in u of their mean, (P, 2 K).
+
+    Independent readings of one direction scatter by sqrt(2) of their mean (GUM, 4.2.2 and eq. 10).
+
+    Parameters
+    ----------
+    hats : (P, K) float64
+    ways : (P,) number
+        Sign of the last motion: forward, backward, or 0 where their mean acts.
+    """
+    share = 0.5 * (1.0 + np.stack([np.sign(ways), -np.sign(ways)]))
+    return np.hstack([np.sqrt(2.0) * one[:, None] * hats for one in share])
+
+
 def _hats_and_bumps(
-    position: np.ndarray, knots: np.ndarray
+    position: np.ndarray, knots: np.ndarray, *, is_line_beyond: bool
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """What one point of a table does to the straight lines between them, and where each place is.
 
@@ -280,6 +313,8 @@ def _hats_and_bumps(
     position : (P,) float64
     knots : (K,) float64
         Increasing, K > 1.
+    is_line_beyond : bool
+        Whether the first and last line and parabola go on beyond the table, else its end holds.
 
     Returns
     -------
@@ -288,13 +323,13 @@ def _hats_and_bumps(
     bump : (P,) float64
         Height of a parabola that is 0 at both ends of the interval and 1 in its middle.
     interval : (P,) int
-        The interval, 0 to K - 2; where a place is beyond the table, its bump is 0.
+        The interval, 0 to K - 2; beyond the table the first or last.
     """
     rows, last = np.arange(len(position)), len(knots) - 1
-    inside = np.clip(position, knots[0], knots[-1])
-    left = np.searchsorted(knots, inside, side="right") - 1
-    # from the last point on there is one more interval, without end
-    share = (inside - knots[left]) / np.append(np.diff(knots), np.inf)[left]
-    hats = np.zeros((len(position), len(knots) + 1))
+    if not is_line_beyond:
+        position = np.clip(position, knots[0], knots[-1])
+    left = np.clip(np.searchsorted(knots, position, side="right") - 1, 0, last - 1)
+    share = (position - knots[left]) / np.diff(knots)[left]
+    hats = np.zeros((len(position), len(knots)))
     hats[rows, left], hats[rows, left + 1] = 1.0 - share, share
-    return hats[:, :-1], 4.0 * share * (1.0 - share), np.minimum(left, last - 1)
+    return hats, 4.0 * share * (1.0 - share), left

@@ -16,8 +16,11 @@ from vmach.nominal.surfaces.bspline_kernel import (
 
 __all__ = ["BSplineSurface"]
 
-#: places of every knot span from which the nearest point is looked for
+#: places of every knot span from which the nearest point is looked for: so many, or twice the
+#: degree, as a span of degree 13 may hold a whole turn of a thread
 _SEEDS_PER_SPAN = 6
+#: slope along u or v, as a share of its largest on the surface, below which a place is a pole
+_STILL = 1e-9
 
 
 class BSplineSurface:
@@ -55,10 +58,11 @@ class BSplineSurface:
         self._spline = *knots, (int(degrees[0]), int(degrees[1])), homogeneous
         self._low = np.array([t[k] for t, k in zip(knots, degrees, strict=True)])
         self._high = np.array([t[-k - 1] for t, k in zip(knots, degrees, strict=True)])
-        grid = [self._seeds(t, axis) for axis, t in enumerate(knots)]
+        grid = [self._seeds(t, axis, degrees[axis]) for axis, t in enumerate(knots)]
         self._seed_uv = np.stack(np.meshgrid(*grid, indexing="ij"), axis=-1).reshape(-1, 2)
         self._period = np.zeros(2)
         self._period = self._find_periods(grid, np.ptp(control_mm.reshape(-1, 3), axis=0).max())
+        self._seed_uv = self._seed_uv[self._is_smooth(self._seed_uv)]
         self._tree = cKDTree(self.evaluate(self._seed_uv))
 
     @property
@@ -73,10 +77,17 @@ class BSplineSurface:
     def v_limits(self) -> tuple[float, float]:
         return float(self._low[1]), float(self._high[1])
 
-    def _seeds(self, knots: np.ndarray, axis: int) -> np.ndarray:
+    def _seeds(self, knots: np.ndarray, axis: int, degree: int) -> np.ndarray:
         spans = np.unique(np.clip(knots, self._low[axis], self._high[axis]))
-        where = np.linspace(0, len(spans) - 1, _SEEDS_PER_SPAN * (len(spans) - 1) + 1)
+        count = max(_SEEDS_PER_SPAN, 2 * degree) * (len(spans) - 1)
+        where = np.linspace(0, len(spans) - 1, count + 1)
         return np.interp(where, np.arange(len(spans)), spans)
+
+    def _is_smooth(self, uv: np.ndarray) -> np.ndarray:
+        """Where a point moves along both u and v, (N,) bool; at a pole no search finds its way."""
+        speed = np.linalg.norm(self.derivatives(uv), axis=2)
+        smooth = (speed > _STILL * speed.max(axis=1, keepdims=True)).all(axis=0)
+        return smooth if smooth.any() else np.ones(len(uv), dtype=bool)
 
     def _find_periods(self, grid: list[np.ndarray], size: float) -> np.ndarray:
         """A surface whose opposite ends coincide is closed in that direction."""

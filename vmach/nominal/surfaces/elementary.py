@@ -189,6 +189,22 @@ class Cone(_AboutAxis):
         x, y, z = self.frame.local(points).T
         return np.column_stack([_angle(x, y), z])
 
+    def on_the_side_of(self, points: np.ndarray) -> Cone:
+        """The cone that opens from its apex towards points (N, 3) mm (edges of a face).
+
+        A conical surface has a second half, of negative radius, beyond its apex. The normals
+        dS/du x dS/dv stay as they are.
+        """
+        slope = np.tan(self.half_angle)
+        if (
+            not len(points)
+            or (self.radius + self.frame.local(points)[:, 2] * slope).max() > _AXIS_MM
+        ):
+            return self
+        apex = self.frame.world(np.array([[0.0, 0.0, -self.radius / slope]]))[0]
+        turned = Frame.from_axis(apex, -self.frame.axes[2], self.frame.axes[0])
+        return Cone(turned, 0.0, self.half_angle)
+
 
 @dataclass(frozen=True)
 class Sphere(_AboutAxis):
@@ -231,7 +247,11 @@ class Sphere(_AboutAxis):
 
 @dataclass(frozen=True)
 class Torus(_AboutAxis):
-    """v is the angle around the tube of radius `minor`."""
+    """v is the angle around the tube of radius `minor`.
+
+    A tube wider than its way round crosses the axis. What lies beyond, such as a crowned roller,
+    has a negative radius there.
+    """
 
     major: float
     minor: float
@@ -252,7 +272,12 @@ class Torus(_AboutAxis):
     def parameters(self, points: np.ndarray) -> np.ndarray:
         """u and v of points (N, 3) mm on the surface; (N, 2)."""
         x, y, z = self.frame.local(points).T
-        return np.column_stack([_angle(x, y), np.arctan2(z, np.hypot(x, y) - self.major)])
+        radius = np.hypot(x, y)
+        if self.major < self.minor:
+            off = [np.abs(np.hypot(r - self.major, z) - self.minor) for r in (radius, -radius)]
+            side = np.where(off[1] < off[0], -1.0, 1.0)
+            x, y, radius = side * x, side * y, side * radius
+        return np.column_stack([_angle(x, y), np.arctan2(z, radius - self.major)])
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from vmach.errors import InputError
 from vmach.nominal.mesh.thinning import near_segments
 from vmach.nominal.mesh.unique_rows import unique_rows
 from vmach.nominal.step.solids import CHORD_MM, GAP_MM, Edge, Solid, SolidFace
-from vmach.nominal.surfaces import Plane, Sphere, Surface, unit_normals
+from vmach.nominal.surfaces import Cone, Plane, Sphere, Surface, unit_normals
 from vmach.nominal.surfaces.crowding import crowded_segments
 from vmach.nominal.surfaces.curved_triangles import volume_under_mm3
 from vmach.nominal.surfaces.delaunay import centres, delaunay
@@ -102,13 +102,18 @@ def _middles(edges: dict[int, Edge], face: SolidFace) -> np.ndarray:
 
 
 def _trim(edges: dict[int, Edge], face: SolidFace, surface: Surface) -> Trim:
-    """The face's edges on its surface; a sphere's poles are turned away from them."""
+    """The face's edges on its surface.
+
+    A sphere's poles are turned away from them, and of a cone it is the half that they lie on.
+    """
     lines = [
         edges[number].points_mm if left else edges[number].points_mm[::-1]
         for number, left in face.edges
     ]
     if surface is face.surface and isinstance(surface, Sphere) and lines:
         surface = surface.away_from(np.vstack(lines))
+    if surface is face.surface and isinstance(surface, Cone) and lines:
+        surface = surface.on_the_side_of(np.vstack(lines))
     return Trim.from_polylines(surface, lines)
 
 
