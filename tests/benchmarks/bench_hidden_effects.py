@@ -205,6 +205,14 @@ def append(path: Path, row: dict) -> None:
         writer.writerow(row)
 
 
+def write_rows(path: Path, rows: list[dict]) -> None:
+    """A file of rows that have the same columns."""
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0])
+        writer.writeheader()
+        writer.writerows(rows)
+
+
 def judged_case(case: Case, random: np.random.Generator) -> dict:
     """A case of the study. Experiments draw from seeds of their own."""
     told = dict(case.values)

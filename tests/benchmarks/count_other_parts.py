@@ -11,7 +11,6 @@ Printed is a table with limits of 95 % (Clopper and Pearson).
 from __future__ import annotations
 
 import argparse
-import csv
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
@@ -22,9 +21,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from tests.benchmarks.bench_hidden_effects import binomial
+from tests.benchmarks.bench_hidden_effects import binomial, write_rows
 from tests.hidden_effects import program_runs
 from tests.oracle.other_parts import FOREIGN, KNOWN, NOISES, PARTS, Hidden, write_job
+from vmach.effects import label_of
 
 #: what the readings show of a cause at least, where it is asked for
 LEAST_UM = 0.9
@@ -107,7 +107,7 @@ def _intervals(hidden: list[Hidden], said: list[dict]) -> tuple[int, int]:
 
 
 def _label(entry: dict) -> str:
-    return f"{entry['effect']} {entry['target'] or ''}".strip()
+    return label_of(entry["effect"], entry["target"] or "")
 
 
 def print_table(rows: list[dict]) -> None:
@@ -150,10 +150,7 @@ def main() -> None:
             rows.append(judged(case, Path(folder)))
         print(rows[-1], file=sys.stderr, flush=True)
         if options.rows:
-            with options.rows.open("w", newline="") as file:
-                writer = csv.DictWriter(file, rows[0])
-                writer.writeheader()
-                writer.writerows(rows)
+            write_rows(options.rows, rows)
     print_table(rows)
 
 

@@ -9,7 +9,6 @@ Printed is a table with limits of 95 % (Clopper and Pearson).
 from __future__ import annotations
 
 import argparse
-import csv
 import json
 import sys
 import tempfile
@@ -17,9 +16,10 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from tests.benchmarks.bench_hidden_effects import binomial
+from tests.benchmarks.bench_hidden_effects import binomial, write_rows
 from tests.hidden_effects import program_runs
 from tests.hidden_effects.shop_tests import make_axis, make_plate
+from vmach.effects import label_of
 
 #: what is left of an axis at most, um
 LEFT_UM = 4.0
@@ -54,7 +54,7 @@ def judged(folder: Path, kind: str) -> dict[str, object]:
 
 
 def _label(entry: dict) -> str:
-    return f"{entry['effect']} {entry['target'] or ''}".strip()
+    return label_of(entry["effect"], entry["target"] or "")
 
 
 def print_table(rows: list[dict]) -> None:
@@ -98,10 +98,7 @@ def main() -> None:
                 make(folder, seed)
                 rows.append({"seed": seed} | judged(folder, kind))
     if args.rows:
-        with args.rows.open("w", newline="") as file:
-            writer = csv.DictWriter(file, rows[0])
-            writer.writeheader()
-            writer.writerows(rows)
+        write_rows(args.rows, rows)
     print_table(rows)
 
 

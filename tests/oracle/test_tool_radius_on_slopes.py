@@ -74,6 +74,12 @@ def test_a_thicker_tool_is_one_whose_dimensions_are_larger(tmp_path, shape):
     np.testing.assert_allclose(thicker, wider, atol=1e-3)
     chip = "[effects.tool_chip.T1]\nradius_um = 1\nlength_um = 0\ntime_s = 0\n"
     np.testing.assert_allclose(deviation_um(tmp_path, shape, effect=chip), -wider, atol=1e-3)
+    # all points were cut at one way of the tool, at which it is worn by some radius
+    wear = "[effects.tool_wear.T1]\nwear_um = 100\nexponent = 1\n"
+    worn = deviation_um(tmp_path, shape, effect=wear)
+    radius_um = float(worn @ wider / (wider @ wider))
+    assert radius_um < -0.1
+    np.testing.assert_allclose(worn, radius_um * wider, atol=1e-3 * abs(radius_um))
 
 
 @pytest.mark.parametrize("shape", ["flat", "ball", "bull", "chamfer", "profile"])

@@ -112,6 +112,8 @@ def _power_of_form(test: PlannedTest, path: Circumstances, proposal: Proposal) -
     """What the test would show of a form, in standard uncertainties.
 
     Those of its amounts count with the test's: an amount that may as well be zero shows nothing.
+    With columns A of the test in its own u, amounts a and their variances D its square is
+    aᵀ Aᵀ (1 + A D Aᵀ)⁻¹ A a.
     """
     if proposal.form.needs_surface or proposal.form.kinds & CUT:
         return 0.0
