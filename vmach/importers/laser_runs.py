@@ -31,7 +31,7 @@ LASER_KEYS: Mapping[str, str] = {
 _UNKNOWN = "unknown"
 #: nearer positions are one target, as error tables have it
 _SAME_MM = 1e-3
-#: so many readings of exactly 0, and no other, were not measured
+#: so many readings of exactly 0, and no other, were not measured; chosen: two may happen
 _NOT_MEASURED = 3
 
 
