@@ -1,7 +1,7 @@
 """CYCL DEF and CYCL CALL: which cycle is defined, and where it is done.
 
-Source: HEIDENHAIN TNC 640, User's Manual Cycle Programming: Z of CYCL CALL POS shifts the cycle beside
-its Q203, and Z of PATTERN DEF counts on top of it.
+Source: HEIDENHAIN TNC 640, User's Manual Cycle Programming: Z of CYCL CALL POS shifts the cycle
+beside its Q203, and Z of PATTERN DEF counts on top of it.
 """
 
 from __future__ import annotations
