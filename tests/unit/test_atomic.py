@@ -1,6 +1,7 @@
 """Nothing half-written is left, whatever goes wrong."""
 
 import errno
+import fcntl
 import os
 import random
 import subprocess
@@ -404,3 +405,25 @@ def test_runs_at_once_leave_the_results_of_one(tmp_path):
     assert len({place.read_text() for place in places}) == 1
     check_outputs(places[:2])  # all are known
     check_folder(tmp_path / "out", ["third"])
+
+
+def test_nobody_begins_to_work_in_a_folder_that_is_cleared(tmp_path, monkeypatch):
+    """A run that has made its folder, and not yet locked it, is not cleared away after it has."""
+    left = tmp_path / ".result.vmach-left"
+    left.mkdir()
+    (left / "lock").touch()
+    seen, clear = [], workplace._clear
+
+    def clear_it(folder):
+        if folder == left:
+            other = os.open(folder / "lock", os.O_RDWR)
+            with pytest.raises(BlockingIOError):
+                fcntl.flock(other, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            os.close(other)
+            seen.append(folder)
+        clear(folder)
+
+    monkeypatch.setattr(workplace, "_clear", clear_it)
+    with workplace.workplace(tmp_path / "result"):
+        pass
+    assert seen == [left] and not left.exists()

@@ -98,10 +98,12 @@ def _sweep(home: Path, target: Path) -> None:
     with contextlib.suppress(OSError):
         for name in os.listdir(home):
             folder = home / name
-            if name.startswith(prefix) and folder.is_dir() and _is_abandoned(folder):
-                if (folder / _ASIDE).exists() and not target.exists():
-                    os.rename(folder / _ASIDE, target)
-                _clear(folder)
+            if name.startswith(prefix) and folder.is_dir():
+                with _taken_over(folder) as is_abandoned:
+                    if is_abandoned and (folder / _ASIDE).exists() and not target.exists():
+                        os.rename(folder / _ASIDE, target)
+                    if is_abandoned:
+                        _clear(folder)
 
 
 def _clear(folder: Path) -> None:
@@ -117,15 +119,24 @@ def _clear(folder: Path) -> None:
         folder.rmdir()
 
 
-def _is_abandoned(folder: Path) -> bool:
+@contextlib.contextmanager
+def _taken_over(folder: Path) -> Iterator[bool]:
+    """Whether nobody works in a folder. Nobody can begin to meanwhile: its lock is held."""
     try:
         lock = os.open(folder / _LOCK, os.O_RDWR)
     except FileNotFoundError:
-        return time.time() - folder.stat().st_mtime > _PATIENCE_S
+        yield time.time() - folder.stat().st_mtime > _PATIENCE_S
+        return
+    try:
+        yield _is_locked_now(lock)
+    finally:
+        os.close(lock)
+
+
+def _is_locked_now(lock: int) -> bool:
+    """Lock a file, unless somebody else has."""
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         return False
-    finally:
-        os.close(lock)
     return True
