@@ -246,7 +246,7 @@ def test_a_job_that_cannot_be_read_is_not_compared_with(tab):
     until(lambda: choice.input_value() == "")
 
 
-def test_the_difference_ends_where_the_other_part_is_not_the_same(tab):
+def test_the_difference_ends_where_the_other_part_is_not_the_same(tab, folder):
     """What was seen stayed, under the name of the other job."""
     open_job(tab, "part/job.toml")
     tab.locator("#quantity").select_option("deviation")
@@ -254,15 +254,15 @@ def test_the_difference_ends_where_the_other_part_is_not_the_same(tab):
     mine = figure(tab, "RMS")
     tab.locator("#tab-compare").click()
     choose = tab.get_by_label("Job to compare with")
-    choose.select_option(label="part/odd.toml")
+    choose.select_option(str(folder / "odd.toml"))
     tab.get_by_label("show the difference").check()
     until(lambda: figure(tab, "RMS") != mine)
-    choose.select_option(label="part/wider.toml")
+    choose.select_option(str(folder / "wider.toml"))
     says(tab, "#panel-compare", "no difference to show")
     until(lambda: figure(tab, "RMS") == mine)
     assert tab.locator("#caption").inner_text() == "part"
     assert tab.locator("#other-view").is_visible()
-    choose.select_option(label="part/odd.toml")
+    choose.select_option(str(folder / "odd.toml"))
     tab.get_by_label("show the difference").wait_for()
     assert not tab.get_by_label("show the difference").is_checked()
     choose.select_option(label="nothing")
