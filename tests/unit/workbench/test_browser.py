@@ -4,6 +4,7 @@ One server and one page serve all tests, in the order in which somebody would wo
 small.
 """
 
+import contextlib
 import json
 import os
 import re
@@ -331,7 +332,8 @@ def test_a_run_is_stopped_and_leaves_nothing(tab, served):
     tab.locator("#run .stop").click()
     tab.locator("#run").wait_for(state="hidden")
     for pid in found:
-        os.kill(pid, signal.SIGCONT)
+        with contextlib.suppress(ProcessLookupError):  # on a busy machine it was killed meanwhile
+            os.kill(pid, signal.SIGCONT)
     until(lambda: not children_of(process.pid, "\0run\0"))
     assert not list((folder / "vmach-results" / "odd").glob("run*"))
 
