@@ -307,12 +307,26 @@ def test_a_program_of_fadals_own_format_is_refused_by_the_name_of_its_control(di
 
 
 @pytest.mark.parametrize(
-    "text", ["G0 X1 Y2 E1.25\nX2 E12", "G1 X1 Y2 E0.5", "X1 E99", "E1 Z5", "X1 E#1", "X1e5"]
+    "text",
+    [
+        "G0 X1 Y2 E1.25\nX2 E12",
+        "G1 X1 Y2 E0.5",
+        "X1 E99",
+        "E1 Z5",
+        "X1 E#1",
+        "X1e5",
+        "G70 Q100 X15 Z3.041 E0 D0.5 P2",
+    ],
 )
 def test_another_e_is_no_mark_of_fadal(text):
     with pytest.raises(ProgramError) as error:
         read_program(Source(f"{text}\nM2\n".encode(), "part.nc"))
     assert "Fadal" not in str(error.value)
+
+
+@pytest.mark.parametrize("code", ["G70", "G71", "G71.1"])
+def test_units_of_other_controls_are_named_where_they_stand_alone(code):
+    assert "SINUMERIK and HEIDENHAIN" in refusal(f"G17 {code} G90\nM2\n")
 
 
 def test_an_m_function_of_klartext_needs_a_number():
