@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from gcode.errors import ProgramError
-from gcode.text.regular_file import read_regular_file
+from gcode.text.source import Source
 
 __all__ = ["Routine", "find_beside", "unknown_calls"]
 
@@ -56,7 +56,7 @@ def find_beside(
         for name in wanted:
             path = there.get(name)
             if path is not None and path.is_file() and path.stat().st_size < _LARGEST_BYTES:
-                lines = read_regular_file(path).decode("latin-1").splitlines()
+                lines = Source.read(path).lines
                 return Routine(lines, 0, len(lines), path)
     return None
 

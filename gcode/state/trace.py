@@ -85,6 +85,8 @@ class Step:
         Before the line and after it.
     unwritable : str
         Why the dialect cannot write other ends into the line; empty where it can.
+    assignment : str
+        What a line of the flow sets, as a line of its own would say it: the counter of FOR.
     is_flow : bool
         It says nothing but what runs next, so that it goes where lines are written as they run.
     """
@@ -98,6 +100,7 @@ class Step:
     blocks: int = 0
     modes: Modes | None = None
     unwritable: str = ""
+    assignment: str = ""
     is_flow: bool = False
 
     @property
@@ -149,6 +152,11 @@ class Trace:
         """The line cannot get other ends."""
         if self.steps:
             self.steps[-1].unwritable = why
+
+    def assign(self, text: str) -> None:
+        """The line, one of the flow, sets something."""
+        if self.steps:
+            self.steps[-1].assignment = text
 
     def flow(self) -> None:
         """The line says nothing but what runs next."""

@@ -13,7 +13,7 @@ import numpy as np
 from gcode.errors import ProgramError
 from gcode.text.regular_file import read_regular_file
 
-__all__ = ["Source", "Word"]
+__all__ = ["Source", "Word", "readable"]
 
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
@@ -56,6 +56,21 @@ class Word:
     value: float | None
     text: str
     span: tuple[int, int]
+
+
+def readable(line: str) -> str:
+    """Text of a line of a `Source` as people wrote it, for showing it.
+
+    Its bytes are UTF-8 where they can be, else code page 1252, else they stay what they are.
+    """
+    if line.isascii():
+        return line
+    for encoding in ("utf-8", "cp1252"):
+        try:
+            return line.encode("latin-1").decode(encoding)
+        except UnicodeError:
+            continue
+    return line
 
 
 class Source:

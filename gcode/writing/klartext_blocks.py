@@ -34,12 +34,23 @@ class KlartextBlocks(PlainBlocks):
         return text[_HEAD.match(text).end() :].strip().upper()
 
     def last_line(self, line: int) -> int:
-        """Last line of the block that begins in a line."""
-        while _PARAMETER.match(self.content(line + 1)) and not re.match(
-            r"\s*\d+\s", self.source.lines[line]
-        ):
+        """Last line of the block that begins in a line.
+
+        A line that ends with ``~`` goes on in the next one, and so does a list of parameters
+        behind CYCL DEF without one.
+        """
+        has_list = self.content(line).startswith("CYCL DEF")
+        while line < len(self.source.lines):
+            goes_on = self.source.lines[line - 1].rstrip().endswith("~")
+            if not goes_on and not (has_list and self._lists(line + 1)):
+                break
             line += 1
         return line
+
+    def _lists(self, line: int) -> bool:
+        """Whether a line goes on with parameters and is no block of its own."""
+        is_numbered = re.match(r"\s*\d+\s", self.source.lines[line - 1])
+        return bool(_PARAMETER.match(self.content(line))) and not is_numbered
 
     def waits(self, line: int) -> bool:
         """Whether the line is moved along by the line behind its corner, or is that corner."""

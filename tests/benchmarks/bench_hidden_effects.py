@@ -195,11 +195,11 @@ def read_rows(path: Path) -> list[dict]:
         return list(csv.DictReader(file))
 
 
-def append(path: Path, row: dict) -> None:
-    """Add one row to the file."""
+def append_row(path: Path, row: dict) -> None:
+    """Add one row to a file of rows that have the same columns."""
     is_new = not path.exists()
     with path.open("a", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS)
+        writer = csv.DictWriter(file, row)
         if is_new:
             writer.writeheader()
         writer.writerow(row)
@@ -267,7 +267,7 @@ def main() -> None:
     tasks = [(k, args.seed + n) for n in range(args.count) for k in args.kinds]
     tasks = [t for t in tasks if t not in done]
     for row in studied(tasks, args) if tasks else ():
-        append(args.rows, row)
+        append_row(args.rows, row)
         if row["outcome"] not in ("right", "class"):
             told = f"{row['kind']} {row['seed']} {row['outcome']}"
             print(f"{told}\n    hidden {row['hidden']}\n    said {row['said']}", flush=True)

@@ -21,7 +21,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from tests.benchmarks.bench_hidden_effects import (
-    append,
+    append_row,
     binomial,
     determined,
     one,
@@ -187,7 +187,7 @@ def main() -> None:
                 folder=folder, noise=noise, instruments=[], held_out=False, keep=False
             )
             row = one(kind, seed, settings)
-            append(path, row)
+            append_row(path, row)
             print(kind, noise, seed, row["outcome"], row["said"], flush=True)
     print_table([row for rows in args.rows for row in read_rows(rows)])
 

@@ -12,6 +12,7 @@ from tests.report_case import HOSTILE
 from tests.report_page import Page, assert_asks_for_nothing
 from tests.small_job import pocket_points, write_job_with_nominal, write_points
 from tests.unit.test_diagnosis_verdicts import nothing, stretched_and_loose, tip_job
+from tests.unit.test_report_html import unpack
 from vmach.files.atomic import atomic_folder
 from vmach.files.written_files import files_in
 
@@ -95,6 +96,36 @@ def test_named_effects_have_their_card(tmp_path, monkeypatch, capsys):
             assert ends == pytest.approx([low, high], abs=0.03 * (high - low))
     assert "on the part" not in page.text.split("What these measurements")[0]
     assert "component Z" in page.text  # the picture of the tip's readings
+
+
+def test_commands_to_go_on_can_be_typed(tmp_path, monkeypatch, capsys):
+    """The page named the job's file without its folder; a blank parted it in two words."""
+    folder = tmp_path / "a job"
+    folder.mkdir()
+    job = write_measured_job(folder)
+    text = diagnosed(job, tmp_path / "out", monkeypatch, capsys)
+    command = f"vmach add '{job}' backlash:Y"
+    assert f"to add this to the model: {command}" in text
+    page = Page((tmp_path / "out" / "diagnosis.html").read_text(encoding="utf-8"))
+    assert command in page.text
+
+
+def test_text_of_the_program_stands_at_its_line(tmp_path, monkeypatch, capsys):
+    """UTF-8 of a capital A with a ring ends a line of Latin-1 to Python."""
+    job = write_measured_job(tmp_path)
+    program = tmp_path / "part.nc"
+    lines = program.read_text().splitlines()
+    lines.insert(1, "(SK\u00c5R)")
+    lines[2:] = [f"{line} (\u00c5)" if line.startswith("G1") else line for line in lines[2:]]
+    program.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    out, report = tmp_path / "out", tmp_path / "report.html"
+    diagnosed(job, out, monkeypatch, capsys)
+    words = ["compensate", job, "-o", tmp_path / "out.nc", "--report", report]
+    assert run_vmach(monkeypatch, capsys, *words)[0] == 0
+    for path in (out / "diagnosis.html", report):
+        header, _ = unpack(Page(path.read_text(encoding="utf-8")).scripts[1])
+        assert header["nc"]
+        assert all(text == lines[int(line) - 1] for line, text in header["nc"].items())
 
 
 def test_forms_for_what_nobody_foresaw_are_on_the_page(tmp_path, monkeypatch, capsys):

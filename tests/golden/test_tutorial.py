@@ -1,4 +1,4 @@
-"""The tutorial's points of one's own: what the page prints is what the command prints."""
+"""What the tutorials print is what their commands print."""
 
 from __future__ import annotations
 
@@ -36,3 +36,13 @@ def test_predicted_points_are_those_of_the_page(tmp_path):
     for row, of_page in zip(rows, rows_of_page, strict=True):
         for value, expected in zip(row, of_page, strict=True):
             assert value == (expected if expected == "cut" else pytest.approx(expected, rel=2e-4))
+
+
+def test_the_effect_found_has_the_size_that_the_page_tells(tmp_path):
+    page = (ROOT / "docs" / "tutorial-missing-effect.md").read_text(encoding="utf-8")
+    (told,) = re.findall(r"reversal_um = .*\(u = .*95 %.*", page)
+    run = CliRunner().invoke(app, ["diagnose", str(ROOT / "samples" / "missing_effect")])
+    assert run.exit_code == 0, run.exception
+    assert told in run.stdout
+    (blind,) = re.findall(r"squareness B0Z: .*", page)
+    assert blind in run.stdout

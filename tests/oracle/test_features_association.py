@@ -200,6 +200,36 @@ def test_contacting_circles_are_the_best_of_all_centres(criterion):
     assert found.value_mm == pytest.approx(best, abs=ZONE_MM)
 
 
+@pytest.mark.parametrize("criterion", ["inscribed", "circumscribed"])
+def test_contacting_circles_of_a_rough_ring_need_more_than_one_step(criterion):
+    """Radii curve upwards with the centre, so that a step does better than it had promised."""
+    turn = np.linspace(0, 2 * np.pi, 13)[:-1]
+    size = 10 + noise(12, 5, 0.4)
+    flat = size[:, None] * np.column_stack([np.cos(turn), np.sin(turn)])
+    centres = [*centres_of(flat), *((p + q) / 2 for p, q in combinations(flat, 2))]
+    radii = [np.hypot(*(flat - c).T) for c in centres]
+    best = max(r.min() for r in radii) if criterion == "inscribed" else min(r.max() for r in radii)
+    tall = np.vstack([np.column_stack([flat, np.full(12, z)]) for z in (-5.0, 5.0)])
+    found = associate(Surface("cylinder", [0] * 3, [0, 0, 1], 10.0), tall, criterion=criterion)
+    assert found.value_mm == pytest.approx(best, abs=ZONE_MM)
+
+
+@pytest.mark.parametrize("criterion", ["inscribed", "circumscribed"])
+@pytest.mark.parametrize("span_deg", [60, 157.5])
+@pytest.mark.parametrize("kind", ["cylinder", "sphere"])
+def test_contacting_surfaces_want_points_all_round(kind, span_deg, criterion):
+    """Half a bore has no largest cylinder; it was told with 0.1 mm too much."""
+    turn = np.radians(np.linspace(0, span_deg, 9))
+    ring = 8 * np.column_stack([np.cos(turn), np.sin(turn)])
+    points = np.vstack([np.column_stack([ring, np.full(9, z)]) for z in (-5.0, 0.0, 5.0)])
+    points[:, :2] *= 1 + noise(27, 3, 1e-4)[:, None] + 1e-4
+    if kind == "sphere":
+        points *= (8 / np.linalg.norm(points, axis=1))[:, None]
+    surface = Surface(kind, [0] * 3, [0, 0, 1], 8.0, sign=-1.0)
+    with pytest.raises(InputError, match=rf"{criterion} {kind} of points that do not go all round"):
+        associate(surface, points, criterion=criterion)
+
+
 def test_cylindricity_is_that_of_the_best_of_all_sets_of_points():
     """Six points decide; the equations are linear in the axis to 1e-8 mm for such deviations."""
     rng = np.random.default_rng(4)

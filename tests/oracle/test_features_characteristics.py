@@ -279,3 +279,13 @@ def test_a_least_squares_size_in_place_of_two_point_sizes_says_so():
         assert (found.label, found.value_mm) == ("least squares", pytest.approx(mm, abs=1e-6))
     (asked,) = measures(half, "bore 1", "20 H7 (GG)")
     assert asked.label == ""
+
+
+def test_a_contact_datum_of_half_a_bore_is_named():
+    """E is bore 1; what has no points on the other side has no largest cylinder."""
+    cut = np.ones(len(NOMINAL), bool)
+    cut[ROWS["bore 1"]] = NOMINAL[ROWS["bore 1"], 0] > 20.0
+    points = part(bore_1=0.01)
+    half = Points(points.nominal_mm, points.normal, points.deviation_mm, cut)
+    with pytest.raises(InputError, match="datum E: inscribed cylinder of points that do not go"):
+        values(half, "bore 2", "parallelism Ø0.1 E", "contact")

@@ -75,6 +75,23 @@ def test_cones_of_the_accuracy_page_start(tmp_path):
     assert len(re.findall(r"<li style=[^>]*>[\d.]+ µm</li>", page)) == 5
 
 
+@pytest.mark.skipif(BROWSER is None, reason="chromium is not installed")
+def test_rows_stay_low_on_a_narrow_screen(tmp_path):
+    """Each word of a feature stood on a line of its own, while the table scrolled sideways."""
+    sync_api = pytest.importorskip("playwright.sync_api", reason="no Playwright")
+    case = points(name="the face at the end of the long pocket")
+    write_report_html(tmp_path / "r.html", build_display_mesh(*block(), case), case, run())
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": 500, "height": 900})
+        page.goto((tmp_path / "r.html").as_uri())
+        heights = [row.bounding_box()["height"] for row in page.locator("tr[data-worst]").all()
+                   if row.is_visible()]  # fmt: skip
+        browser.close()
+    assert len(heights) == 10
+    assert max(heights) < 110
+
+
 #: a flat square of 100 mm with a step, in 2 x 28,800 triangles; what is drawn is counted
 SQUARE = """
 window.requestAnimationFrame = (work) => setTimeout(work, 16); // no frame waits for the one before

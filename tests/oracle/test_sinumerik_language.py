@@ -148,6 +148,15 @@ def test_subprograms_in_the_same_file_and_beside_it(tmp_path):
     assert moves.line[-1] == 9  # a line of its own
 
 
+def test_a_comment_of_a_file_beside_it_ends_with_its_line(tmp_path):
+    """Latin-1 takes byte 85 of a capital A with a ring for the end of a line."""
+    (tmp_path / "TRACK.SPF").write_text("; SK\u00c5R1 X99\nG0 X1\nG1 X2 F100\nRET\n", "utf-8")
+    main = tmp_path / "part.mpf"
+    main.write_text("G0 X0\nTRACK\nM30\n")
+    moves = read_program(main, tools=TOOLS, dialect="sinumerik").moves
+    assert moves.end_mm[:, 0].tolist() == [0, 1, 2]
+
+
 def test_a_fault_in_a_file_beside_it_is_named_there(tmp_path):
     (tmp_path / "BAD.SPF").write_text("G0 X1\nFOO=3\nRET\n")
     main = tmp_path / "part.mpf"

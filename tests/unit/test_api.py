@@ -88,6 +88,16 @@ def test_the_error_along_the_path_has_columns(tmp_path):
     ]  # fmt: skip
 
 
+def test_the_errors_along_a_path_say_which_effects_they_lack(tmp_path):
+    """Effects of tool and workpiece show on a surface; they left no trace here, and no word."""
+    path = write_job(tmp_path)
+    effects = "[effects.tool_radius.T1]\nradius_um = 5\n[effects.scale.X]\nscale_ppm = 20\n"
+    path.write_text(path.read_text() + effects)
+    (note,) = [n for n in vmach.path_errors(path).notes if n.kind == "left out"]
+    assert "tool_radius T1" in note.sentence
+    assert "scale" not in note.sentence
+
+
 def test_an_unknown_model_is_refused_with_its_name(tmp_path):
     with pytest.raises(ValueError, match="model = 'hmt'; accepted: 'none', 'htm', 'abbe'"):
         vmach.path_errors(write_job(tmp_path), model="hmt")

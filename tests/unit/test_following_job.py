@@ -22,6 +22,7 @@ from vmach.job.schema import JobSchema
 WORDS = {
     "control.name", "control.increment", "control.ignore_calls.*", "control.options.*",
     "dialect", "workpiece_zero", "tools.*.name", "inspection.datums.*.*", "fitted.*.effect",
+    "correlated.*.effects.*",
     "fitted.*.target", "history.*.added.*", "features.*.name", "features.*.faces",
     "features.*.faces.*", "datums.*", "tolerances.*", "tolerances.*.*", "drawing.part",
     "drawing.serial", "drawing.revision",

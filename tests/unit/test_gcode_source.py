@@ -3,6 +3,7 @@
 import pytest
 
 from gcode import ProgramError, Source, canon_lines, read_program
+from gcode.text.source import readable
 
 TEXT = b"%\r\nN10 G1 X 1.5Y-.25 (X9) F#<feed>\ng0 x[#1 + 2*[3]] y2 ; z7\n#3=4 Z[1]\nM3\xe9\n\n"
 
@@ -92,6 +93,21 @@ def test_a_program_cut_short_is_noted(text, is_whole):
     notes = [n for n in read_program(Source(text, "part.nc")).notes if "cut short" in n.meaning]
     assert len(notes) == (not is_whole)
     assert all(n.line == len(text.splitlines()) for n in notes)
+
+
+@pytest.mark.parametrize(
+    "data, shown",
+    [
+        (b"(PLATTE)", "(PLATTE)"),
+        ("(M\u00dcLLER \u2013 SK\u00c5R)".encode(), "(M\u00dcLLER \u2013 SK\u00c5R)"),
+        ("(M\u00dcLLER \u2013)".encode("cp1252"), "(M\u00dcLLER \u2013)"),
+        (b"(\x81\xdc)", "(\x81\xdc)"),  # neither: as it is
+    ],
+)
+def test_a_line_is_shown_as_it_was_written(data, shown):
+    (line,) = Source(data).lines
+    assert readable(line) == shown
+    assert line.encode("latin-1") == data
 
 
 @pytest.mark.parametrize("dialect", ["linuxcnc", "fanuc", "sinumerik", "heidenhain"])

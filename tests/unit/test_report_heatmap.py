@@ -9,6 +9,7 @@ from PIL import Image
 
 from tests.report_case import block, points, run
 from vmach.base.colour_ramp import COLOUR_STOPS
+from vmach.features.result import FeatureResult, Place
 from vmach.report import (
     Colouring,
     DisplayMesh,
@@ -16,8 +17,9 @@ from vmach.report import (
 )
 from vmach.report.pictures.camera import Camera, isometric_camera
 from vmach.report.pictures.colours import colour_range, colours_of, nice_ceiling
+from vmach.report.pictures.flags import seen_place
 from vmach.report.pictures.heatmap import draw_heatmap
-from vmach.report.pictures.rasterise import rasterise
+from vmach.report.pictures.rasterise import Visible, rasterise
 
 FRONT = Camera(np.eye(3), np.zeros(3), width_mm=100.0, height_mm=50.0)
 
@@ -117,3 +119,17 @@ def test_unknown_vertices_are_grey():
     colours = colours_of(np.array([5.0]), np.array([False]), 1.0)
     assert np.ptp(colours) < 0.06
     assert Colouring(np.zeros(1), np.array([False])).known.dtype == bool
+
+
+def test_a_flag_points_at_what_is_seen():
+    """Both places face the viewer; a square hides the first one, which decides more."""
+    near, far = square(20.0, 5.0), square(80.0, -5.0)
+    mesh = DisplayMesh(np.vstack([near[0], far[0]]), np.vstack([near[1], far[1] + 4]))
+    hidden, seen = (Place((x, 0.0, -5.0), (0.0, 0.0, 1.0)) for x in (5.0, 30.0))
+    result = FeatureResult("floor", "flatness 0.01", "flatness", places=(hidden, seen))
+    visible = Visible.of(mesh, FRONT, (200, 100))
+    assert seen_place(result, FRONT, visible, (200, 100)) == seen
+    assert seen_place(replace(result, places=(hidden,)), FRONT, visible, (200, 100)) is None
+    on_top = Place((5.0, 0.0, 5.0), (0.0, 0.0, 1.0))
+    result = replace(result, places=(hidden, on_top))
+    assert seen_place(result, FRONT, visible, (200, 100)) == on_top

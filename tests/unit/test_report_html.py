@@ -51,6 +51,14 @@ def test_page_asks_the_network_for_nothing(tmp_path):
     assert_asks_for_nothing(page)
 
 
+def test_sliders_have_names(tmp_path):
+    """The first of a label's outputs and inputs has its name: the output, where none is told."""
+    page = Page(written(tmp_path / "r.html", points(), run()))
+    sliders = {a["id"] for tag, a in page.elements if a.get("type") == "range"}
+    labels = {a.get("for") for tag, a in page.elements if tag == "label"}
+    assert sliders == {"tolerance", "range"} and sliders <= labels
+
+
 def test_names_cannot_break_out_of_the_page(tmp_path):
     record = run(
         title=HOSTILE, command=HOSTILE, warnings=[HOSTILE], facts={HOSTILE: HOSTILE},

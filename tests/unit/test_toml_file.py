@@ -125,3 +125,12 @@ def test_tables_of_an_array_are_told_apart():
     text = '[[measurements]]\nkind = "laser"\n[[measurements]]\nfile = "a"\nkind = "tip"\n'
     assert line_of_key(text, ["measurements", "1", "kind"]) == 5
     assert line_of_key(text, ["measurements", "1", "missing"]) == 3
+
+
+def test_a_long_value_is_cut_short(tmp_path):
+    rows = ", ".join("{length_mm = 3}" for _ in range(500))
+    with pytest.raises(
+        InputError, match=r"'tools' = \[\{'length_mm': 3\}.* …; accepted: a table"
+    ) as said:
+        read(tmp_path, f'machine = "m"\ntools = [{rows}]\n')
+    assert len(str(said.value).splitlines()[0]) < 300

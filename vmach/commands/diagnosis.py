@@ -22,6 +22,7 @@ from vmach.commands.options import (
     command_line,
     input_files,
     tell_doubts,
+    typed,
 )
 from vmach.files.atomic import atomic_file, check_folder, check_outputs
 from vmach.files.together import together
@@ -89,7 +90,9 @@ def diagnose(
             program = _write_files(found, json_file, next_path, is_named=next_file is not None)
             if out is not None:
                 progress("draw", 0, 1)
-                written = write_diagnosis(out, found, nominal=nominal, command=command_line())
+                written = write_diagnosis(
+                    out, found, nominal=nominal, command=command_line(), job=typed(job)
+                )
                 if found.next_program is not None:
                     program = program or str(out / written[-1])
     print(as_text(found, program=program))
@@ -146,7 +149,9 @@ def _add_all(job: Path, found: Diagnosis) -> None:
             "beside noise"
         )
         if left.proposals:
-            print(f"vmach effects propose {rounds.job} -o my_effect.py  writes the first form")
+            print(
+                f"vmach effects propose {typed(rounds.job)} -o my_effect.py  writes the first form"
+            )
     else:
         print("nothing further is shown")
     if rounds.steps:
@@ -156,9 +161,9 @@ def _add_all(job: Path, found: Diagnosis) -> None:
 def _tell_how_to_go_on(job: Path, found: Diagnosis, effects: str) -> None:
     """The commands that add what is shown, and write a form for what is not."""
     if effects:
-        print(f"to add this to the model: vmach add {job} {effects}")
+        print(f"to add this to the model: vmach add {typed(job)} {effects}")
     if found.proposals:
-        print(f"to write form 1 as an effect: vmach effects propose {job} -o my_effect.py")
+        print(f"to write form 1 as an effect: vmach effects propose {typed(job)} -o my_effect.py")
 
 
 def _tell_of_program(path: Path, found: Diagnosis, *, is_named: bool) -> None:

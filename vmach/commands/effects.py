@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -71,7 +72,7 @@ def new(
     from vmach.effects.skeleton import write_skeleton
 
     path = write_skeleton(name, folder)
-    print(f"{path}: edit it, then  vmach diagnose JOB --effect-file {path}")
+    print(f"{path}: edit it, then  vmach diagnose JOB --effect-file {shlex.quote(str(path))}")
 
 
 @effects_app.command()
@@ -152,7 +153,8 @@ def propose(
         )
     with atomic_file(out) as temporary:
         temporary.write_text(effect_text(found.proposals[number - 1], name=name), encoding="utf-8")
-    print(f"{out}: proposal {number}; look at it, then  vmach add {job} {name} --effect-file {out}")
+    command = f"vmach add {shlex.quote(str(job))} {name} --effect-file {shlex.quote(str(out))}"
+    print(f"{out}: proposal {number}; look at it, then  {command}")
 
 
 def _told(parameter: Parameter) -> str:

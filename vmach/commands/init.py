@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -54,7 +55,7 @@ def init(
     found = check_job(folder)
     to_mend = [finding for finding in found if finding.weight is Weight.MEND]
     print(*to_mend, sep="\n", end="\n" if to_mend else "")
-    print(f"next: mend the lines marked '# mend', then 'vmach check {folder}'")
+    print(f"next: mend the lines marked '# mend', then  vmach check {shlex.quote(str(folder))}")
 
 
 def _answer(what: str, default: str, *, asks: bool) -> str:

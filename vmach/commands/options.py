@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["AsJson", "Control", "Digits", "Draws", "JobPath", "Model", "OutDir", "OwnEffects",
            "Seed", "Uncertainty", "command_line", "draw_plan", "input_files",
-           "tell_doubts"]  # fmt: skip
+           "tell_doubts", "typed"]  # fmt: skip
 
 
 def _tell_control(name: str | None) -> str | None:
@@ -66,6 +66,11 @@ def draw_plan(method: UncertaintyMethod, digits: int, draws: int, seed: int) -> 
 def command_line() -> str:
     """What was typed, as it can be typed again."""
     return shlex.join(["vmach", *sys.argv[1:]])
+
+
+def typed(path: Path) -> str:
+    """A path as it can be typed."""
+    return shlex.quote(str(path))
 
 
 def input_files(job: Job) -> list[Path]:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gcode.text.source import Source
 from vmach.compensation.aim.surface import SurfaceCheck
 from vmach.compensation.compensate import Compensation
 from vmach.compensation.figures import remarks, rows
@@ -86,5 +87,5 @@ def _record(
         versions={"python": platform.python_version(), "vmach": version("vmach")},
         facts={"machine": job.machine.name} | rows(found, surface),
         warnings=tuple(remarks(found, surface)),
-        program_lines=tuple(job.program.read_text(encoding="latin-1").splitlines()),
+        program_lines=tuple(Source.read(job.program).lines),
     )

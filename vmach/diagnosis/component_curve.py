@@ -30,13 +30,26 @@ def component_parameters(
     return rounded, {key: np.round(u, 4).tolist()}
 
 
-def component_directions(fit: JointFit, k: int, path: Circumstances) -> list[dict]:
-    """Independent changes of a component's correction, one standard uncertainty each."""
+def component_directions(
+    fit: JointFit, k: int, path: Circumstances
+) -> tuple[list[dict], np.ndarray]:
+    """Independent changes of a component's correction, one standard uncertainty each.
+
+    Returns
+    -------
+    list of dict
+        The D changes.
+    (D, K) float64
+        What the fitted coefficients make of each of them, in its standard uncertainty.
+    """
     root, _ = _curve_in_use(fit.terms[k], path)
     squared, axes = np.linalg.eigh(root @ fit.covariance[k] @ root.T)
     notable = squared > _NOTABLE * squared.max()
-    changes = (axes * np.sqrt(np.maximum(squared, 0.0)))[:, notable].T
-    return [{_correction(fit.terms[k].target): np.round(c, 4).tolist()} for c in changes]
+    u, axes = np.sqrt(squared[notable]), axes[:, notable].T
+    changes = [
+        {_correction(fit.terms[k].target): np.round(c, 4).tolist()} for c in axes * u[:, None]
+    ]
+    return changes, axes @ root / u[:, None]
 
 
 def _curve_in_use(term: Term, path: Circumstances) -> tuple[np.ndarray, np.ndarray]:

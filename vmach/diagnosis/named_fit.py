@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -36,7 +36,9 @@ class NamedEffect:
     parameters, u : dict
         As in ``[effects.NAME]`` of a job, and their standard uncertainties.
     one_sigma : list of dict
-        Independent changes of the parameters, one standard uncertainty each.
+        D independent changes of the parameters, one standard uncertainty each.
+    correlations : mapping of label to (E, D) float64
+        Correlation coefficients of the E changes of each effect before it with these.
     explained_mm : (n,) float64
         What it does to the readings.
     is_called_for : bool
@@ -48,6 +50,7 @@ class NamedEffect:
     parameters: dict
     u: dict
     one_sigma: list[dict]
+    correlations: dict[str, np.ndarray]
     explained_mm: np.ndarray
     is_called_for: bool
 
@@ -89,16 +92,32 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
 
 
 def _named_beside_forms(weighing: Weighing, found: Explanation) -> tuple[NamedEffect, ...]:
-    """The effects beside forms for what remains; parameters would make up for that else."""
+    """The effects beside forms for what remains; parameters would make up for that else.
+
+    A form that holds one of them, as a turn with its arms holds a scale, would take its place.
+    """
     forms, count = Forms(weighing, found), len(found.terms)
-    told = forms.added(found)
-    weighing = forms.among(told.terms[count:])
+    grown = forms.added(found)
+    beside = [
+        form for form in grown.terms[count:]
+        if not any(forms.holds(found, k, form) for k in range(count))
+    ]  # fmt: skip
+    weighing = forms.among(beside)
+    terms = [*grown.terms[:count], *beside]
+    told = weighing.explain(terms, grown.posterior.sizes, resize=len(terms) < len(grown.terms))
     fit = weighing.careful(told)
     assert fit is not None
-    return tuple(
-        _named_effect(weighing.survey, fit, k, is_called_for=support.is_shown)
-        for k, support in enumerate(supports_of(weighing, told, count))
-    )
+    units: list[np.ndarray] = []
+    named = []
+    for k, support in enumerate(supports_of(weighing, told, count)):
+        effect, unit = _named_effect(weighing.survey, fit, k, is_called_for=support.is_shown)
+        correlations = {
+            named[i].label: before @ fit.cross_covariance(i, k) @ unit.T
+            for i, before in enumerate(units)
+        }
+        units.append(unit)
+        named.append(replace(effect, correlations=correlations))
+    return tuple(named)
 
 
 def _extended(
@@ -116,22 +135,35 @@ def _extended(
     return weighing.extend(explanation, max(possible, key=lambda k: gains[k]))
 
 
-def _named_effect(survey: Survey, fit: JointFit, k: int, *, is_called_for: bool) -> NamedEffect:
-    """Term k of a fit, with the uncertainty that goes into a job."""
+def _named_effect(
+    survey: Survey, fit: JointFit, k: int, *, is_called_for: bool
+) -> tuple[NamedEffect, np.ndarray]:
+    """Term k of a fit, with the uncertainty that goes into a job.
+
+    Returns
+    -------
+    NamedEffect
+        Its correlations with others are left out.
+    (D, K + I) float64
+        What its coefficients and inner logarithms make of each of its D changes.
+    """
     term, fitted = fit.terms[k], fitted_parameters(fit, k)
     if term.effect.corrects_table:
-        one_sigma = component_directions(fit, k, survey.paths[0])
+        one_sigma, unit = component_directions(fit, k, survey.paths[0])
     else:
-        one_sigma = _as_wide_as(fitted.u, fit.directions(k))
-    return NamedEffect(
+        one_sigma, unit = _as_wide_as(fitted.u, fit.directions(k)), fit.unit_changes(k)
+    moves = [k for k, change in enumerate(one_sigma) if any(np.any(v) for v in change.values())]
+    named = NamedEffect(
         effect=term.effect,
         target=term.target,
         parameters=fitted.values,
         u=fitted.u,
-        one_sigma=one_sigma,
+        one_sigma=[one_sigma[k] for k in moves],
+        correlations={},
         explained_mm=fit.explained_mm(k),
         is_called_for=is_called_for,
     )
+    return named, unit[moves]
 
 
 def _as_wide_as(u: Mapping[str, float], changes: Sequence[Mapping[str, float]]) -> list[dict]:

@@ -31,7 +31,12 @@ def read_nominal_mesh(job: Job) -> Mesh | None:
 
 @threadpool_limits.wrap(limits=1, user_api="blas")
 def write_diagnosis(
-    folder: Path, found: Diagnosis, *, nominal: Mesh | None = None, command: str
+    folder: Path,
+    found: Diagnosis,
+    *,
+    nominal: Mesh | None = None,
+    command: str,
+    job: str = "JOB",
 ) -> tuple[str, ...]:
     """Write all files of a diagnosis into a folder, all of them or none; returns their names.
 
@@ -43,6 +48,8 @@ def write_diagnosis(
         The surface to show the residual on; without it the measured points are shown alone.
     command : str
         Command line as typed.
+    job : str
+        The job as typed, for the commands that the page proposes.
 
     Raises
     ------
@@ -54,7 +61,13 @@ def write_diagnosis(
     with atomic_folder(folder) as place:
         write_figures(place / _FIGURES, found, program=program)
         write_diagnosis_page(
-            place / _PAGE, found, title=title, nominal=nominal, command=command, program=program
+            place / _PAGE,
+            found,
+            title=title,
+            nominal=nominal,
+            command=command,
+            job=job,
+            program=program,
         )
         if found.next_program is not None:
             (place / _PROGRAM).write_text(found.next_program, encoding="utf-8")

@@ -25,7 +25,8 @@ _SHARE = 0.05
 class EffectInstance:
     """An effect with its target and all parameters set, as in ``[effects.NAME]`` of a job.
 
-    `one_sigma` holds independent changes of the parameters, one standard uncertainty each.
+    `one_sigma` holds independent changes of the parameters, one standard uncertainty each. Effects
+    with the same number `together` share them: the k-th change of all of them is one. 0: alone.
     """
 
     effect: Effect
@@ -33,11 +34,18 @@ class EffectInstance:
     parameters: Mapping[str, float]
     job: Job
     one_sigma: Sequence[Mapping[str, float]] = ()
+    together: int = 0
 
     @property
     def label(self) -> str:
         """Name and target."""
         return label_of(self.effect.name, self.target)
+
+    @property
+    def is_straight(self) -> bool:
+        """Whether its displacement is proportional to all that is open of its parameters."""
+        bent = {p.name for p in self.effect.parameters if not p.is_linear}
+        return not any(bent & change.keys() for change in self.one_sigma)
 
     def displacement(self, states: PathStates) -> RigidDisplacement:
         """Rigid motion of the tool at the states; zero for effects bound to a surface."""

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from vmach.effects.catalogue import catalogue, unknown_effect_hint
+from vmach.effects.correlated import with_correlations
 from vmach.effects.effect import Effect, label_of
 from vmach.effects.instance import EffectInstance
 from vmach.effects.parameter import Parameter
@@ -74,7 +75,7 @@ def read_effects(
         for target, parameters in nested.items():
             found.append(set_up_effect(name, target, parameters, job=job))
     _check_fitted(job, found)
-    return tuple(found)
+    return _correlated(found, job)
 
 
 def set_up_effect(
@@ -203,6 +204,33 @@ def _one_sigma(
                     hint="leave [[fitted]] as `vmach add` wrote it, or take it out",
                 )
     return changes
+
+
+def _correlated(found: Sequence[EffectInstance], job: Job) -> tuple[EffectInstance, ...]:
+    """The effects with what is correlated of their parameters.
+
+    Raises
+    ------
+    InputError
+        [[correlated]] is of an effect without [[fitted]], or no quantities are correlated so.
+    """
+
+    def error(what: str, accepted: str) -> InputError:
+        line = line_of_key(read_text(job.path, what="job file"), ["correlated"])
+        hint = "leave [[correlated]] as `vmach add` wrote it, or take it out"
+        return InputError(what, file=job.path, line=line, accepted=accepted, hint=hint)
+
+    for both in job.correlated:
+        for name, target in both:
+            if (name, target) not in job.fitted:
+                raise error(
+                    f"[[correlated]] is of {label_of(name, target)}, which has no [[fitted]]",
+                    ", ".join(label_of(*key) for key in job.fitted) or "no [[correlated]]",
+                )
+    try:
+        return with_correlations(found, job.correlated)
+    except ValueError as problem:
+        raise error("[[correlated]] does not match [[fitted]]", str(problem)) from None
 
 
 def _check_fitted(job: Job, found: Sequence[EffectInstance]) -> None:

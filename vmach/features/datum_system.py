@@ -90,9 +90,13 @@ def datum_system(
         actual = points.actual_mm[member.rows]
         locked, left = _locked(label, member.surface, pose.undo(actual), about, free)
         criterion = _criterion(association, member.surface)
-        found = associate(
-            member.surface, actual, criterion=criterion, pose=pose, basis=locked, about_mm=about
-        )
+        try:
+            found = associate(
+                member.surface, actual, criterion=criterion, pose=pose, basis=locked, about_mm=about
+            )
+        except InputError as error:
+            said = f"datum {label}: {error.what}"
+            raise InputError(said, accepted=error.accepted, hint=error.hint) from None
         step = found.gain[:6]
         # what the frame so far moved is taken from the distances of this datum
         gain = np.hstack([gain - step @ (found.rows[:, :6] @ gain), step])

@@ -49,7 +49,7 @@ _LARGEST = 1e6
 _LARGEST_TOML_BYTES = 2**20
 #: each is looked for in the whole text, and nobody reads more
 _MOST_COMPLAINTS = 100
-#: characters of a line that a message shows
+#: characters of a line or a value that a message shows
 _LONGEST_QUOTE = 120
 
 _Number = Annotated[float, Strict()]  # "10" and true are no numbers
@@ -282,11 +282,18 @@ def _complaint(
     if first["type"] == _TWICE:
         return InputError(first["msg"], **where, accepted="every number once", hint="take one out")
     if first["type"] == "missing" and keys[-1].isdigit():
-        what = f"'{'.'.join(keys[:-1])}' = {first['input']!r}"
+        what = f"'{'.'.join(keys[:-1])}' = {_value(first['input'])}"
         return InputError(what, **where, accepted="a longer list")
     if first["type"] == "missing":
         return InputError(f"key '{dotted}' is missing", **where, accepted=", ".join(known))
-    return InputError(f"'{dotted}' = {first['input']!r}", **where, accepted=_accepted(first))
+    what = f"'{dotted}' = {_value(first['input'])}"
+    return InputError(what, **where, accepted=_accepted(first))
+
+
+def _value(found: Any) -> str:
+    """A value as a message tells it: of a long table or list its beginning."""
+    text = repr(found)
+    return text if len(text) <= _LONGEST_QUOTE else f"{text[:_LONGEST_QUOTE]} …"
 
 
 def _accepted(complaint: Mapping[str, Any]) -> str:

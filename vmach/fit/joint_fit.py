@@ -229,7 +229,8 @@ class _Problem:
         return JointFit(
             terms=self.terms,
             coefficients=tuple(self._solution[k] for k in places),
-            covariance=tuple(covariance[np.ix_(k, k)] for k in own),
+            joint_covariance=covariance,
+            places=tuple(own),
             signatures=tuple(self._signatures),
             tangents=tuple(tangents),
             open=self._open,

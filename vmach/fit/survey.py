@@ -16,6 +16,7 @@ from scipy.linalg import block_diag
 
 from vmach.base.note import Note
 from vmach.effects import Circumstances, Effect, EffectInstance, label_of
+from vmach.effects.correlated import acting_together
 from vmach.fit.whitening import Whitening, condensed, orthonormal
 from vmach.job import Job
 from vmach.machine import LINEAR_AXES
@@ -136,9 +137,10 @@ class Survey:
         pairs = list(zip(self.seen_paths, self.measurements, strict=True))
         tables = TableUncertainty.of(self.job.machine)
         parts = [np.vstack([_of_tables(tables, p, m) for p, m in pairs])]
-        for effect in self.effects:
-            parts.append(np.vstack([m.sensed(effect.of_parameters(p)) for p, m in pairs]))
-            parts.append(block_diag(*(m.sensed(effect.unforeseen(p)) for p, m in pairs)))
+        for group in acting_together(self.effects):
+            shared = [np.vstack([m.sensed(e.of_parameters(p)) for p, m in pairs]) for e in group]
+            parts.append(np.sum(shared, axis=0))
+            parts += [block_diag(*(m.sensed(e.unforeseen(p)) for p, m in pairs)) for e in group]
         for k, part in enumerate(parts):
             parts[k] = part[:, np.abs(part).max(axis=0) > 1e-9]
         return parts[0] if len(parts) == 1 else np.hstack(parts)

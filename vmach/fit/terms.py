@@ -22,6 +22,8 @@ __all__ = ["FREE", "JointFit", "Term", "pull_of_prior"]
 FREE = 30.0
 #: step of coefficients and logarithms in a derivative
 _STEP = 1e-4
+#: share of the largest variance below which a direction counts as known
+_KNOWN = 1e-12
 
 
 @dataclass(frozen=True)
@@ -100,8 +102,10 @@ class JointFit:
         With their fitted inner parameters.
     coefficients : tuple of (K,) float64
         Of each term, in usual sizes.
-    covariance : tuple of (K + I, K + I) float64
-        Of each term's coefficients and the logarithms of its free inner parameters.
+    joint_covariance : (C, C) float64
+        Of all terms' coefficients and the logarithms of their free inner parameters.
+    places : tuple of (K + I,) int64
+        Where in it each term's own stand.
     signatures : tuple of Columns
     tangents : tuple of Columns
         Change of the fitted effect with the logarithm of each free inner parameter.
@@ -117,7 +121,8 @@ class JointFit:
 
     terms: tuple[Term, ...]
     coefficients: tuple[np.ndarray, ...]
-    covariance: tuple[np.ndarray, ...]
+    joint_covariance: np.ndarray
+    places: tuple[np.ndarray, ...]
     signatures: tuple[Columns, ...]
     tangents: tuple[Columns, ...]
     open: Columns
@@ -127,8 +132,17 @@ class JointFit:
 
     def first(self, count: int) -> JointFit:
         """So many of its terms, as they were fitted beside the others."""
-        names = ("terms", "coefficients", "covariance", "signatures", "tangents")
+        names = ("terms", "coefficients", "places", "signatures", "tangents")
         return replace(self, **{name: getattr(self, name)[:count] for name in names})
+
+    @cached_property
+    def covariance(self) -> tuple[np.ndarray, ...]:
+        """Of each term's coefficients and inner logarithms, (K + I, K + I) each."""
+        return tuple(self.cross_covariance(k, k) for k in range(len(self.terms)))
+
+    def cross_covariance(self, k: int, other: int) -> np.ndarray:
+        """Of the coefficients and inner logarithms of term k with those of another."""
+        return self.joint_covariance[np.ix_(self.places[k], self.places[other])]
 
     def parameters(self, k: int) -> dict[str, float]:
         """Parameters of term k."""
@@ -147,6 +161,15 @@ class JointFit:
         squared, axes = np.linalg.eigh(self.covariance[k])
         moved = (axes * np.sqrt(np.maximum(squared, 0.0))).T @ self.slope(k)
         return [dict(zip(self.parameters(k), row, strict=True)) for row in moved.tolist()]
+
+    def unit_changes(self, k: int) -> np.ndarray:
+        """What coefficients and inner logarithms of term k make of each direction, (D, K + I).
+
+        The amounts of the directions, in their standard uncertainties, are independent.
+        """
+        squared, axes = np.linalg.eigh(self.covariance[k])
+        is_open = squared > _KNOWN * squared.max()
+        return axes.T * np.where(is_open, squared, np.inf)[:, None] ** -0.5
 
     def slope(self, k: int) -> np.ndarray:
         """Change of the parameters of term k with coefficients and logarithms, (K + I, N)."""

@@ -22,6 +22,9 @@ from vmach.job import free_job_name, read_job
 
 __all__ = ["add_effects"]
 
+#: correlation coefficients of two changes up to this make one per cent of their uncertainty
+_NOTABLE = 0.02
+
 
 def add_effects(
     job_path: str | Path,
@@ -74,6 +77,7 @@ def add_effects(
     before = rms_um(survey)
     after = rms_um(survey, sum(effect.explained_mm for effect in found))
     more = "\n".join(_effect_toml(e) for e in found) + "".join(_fitted_toml(e) for e in found)
+    more += "".join(_correlated_toml(e) for e in found)
     more += history_toml(
         job, target.parent, [effect.label for effect in found],
         figures={"rms_before_um": before, "rms_after_um": after},
@@ -100,8 +104,25 @@ def _fitted_toml(effect: NamedEffect) -> str:
         ", ".join(f"{name} = {_value(v)}" for name, v in change.items() if np.any(v))
         for change in effect.one_sigma
     ]
-    rows = "".join(f"    {{{change}}},\n" for change in changes if change)
+    rows = "".join(f"    {{{change}}},\n" for change in changes)
     return f'\n[[fitted]]\neffect = "{effect.effect.name}"\n{target}one_sigma = [\n{rows}]\n'
+
+
+def _correlated_toml(effect: NamedEffect) -> str:
+    """How these changes are correlated with those of effects that were fitted with it."""
+    text = ""
+    own = _word(effect.label)
+    for label, coefficients in effect.correlations.items():
+        if np.abs(coefficients).max(initial=0.0) > _NOTABLE:
+            rows = "".join(f"    {_value(row)},\n" for row in np.round(coefficients, 3).tolist())
+            text += f'\n[[correlated]]\neffects = ["{_word(label)}", "{own}"]\n'
+            text += f"coefficients = [\n{rows}]\n"
+    return text
+
+
+def _word(label: str) -> str:
+    """A label as the command line has it: NAME or NAME:TARGET."""
+    return label.replace(" ", ":", 1)
 
 
 def _value(value: Any) -> str:

@@ -16,7 +16,7 @@ from vmach.files.toml_file import line_of_key
 __all__ = ["checked_job", "in_tables", "parsed_job", "with_tables"]
 
 #: tables of a job that a following one adds to
-_GROWING = ("effects", "fitted", "history")
+_GROWING = ("effects", "fitted", "correlated", "history")
 
 
 def parsed_job(text: str, file: Path) -> tomlkit.TOMLDocument:

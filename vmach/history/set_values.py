@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from collections.abc import MutableMapping, Sequence
+from collections.abc import Callable, MutableMapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -172,14 +172,21 @@ def _change(
     for value in values:
         _parameters_of(effects, value)[value.parameter] = value.value
     changed = {(value.name, value.target) for value in values}
-    fitted: Any = job.get("fitted", [])
-    for k in reversed(range(len(fitted))):
-        if (fitted[k].get("effect"), fitted[k].get("target", "")) in changed:
-            del fitted[k]
-    if "fitted" in job and not len(fitted):
-        del job["fitted"]
+    _take_out(job, "fitted", lambda e: (e.get("effect"), e.get("target", "")) in changed)
+    words = {f"{name}:{target}".rstrip(":") for name, target in changed}
+    _take_out(job, "correlated", lambda e: not words.isdisjoint(e.get("effects", ())))
     if not effects:
         del job["effects"]
+
+
+def _take_out(job: MutableMapping[str, Any], key: str, is_one: Callable[[Any], bool]) -> None:
+    """Take entries out of a list of tables, and the list where none is left."""
+    entries: Any = job.get(key, [])
+    for k in reversed(range(len(entries))):
+        if is_one(entries[k]):
+            del entries[k]
+    if key in job and not len(entries):
+        del job[key]
 
 
 def _parameters_of(effects: Any, value: _EffectValue) -> Any:

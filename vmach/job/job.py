@@ -60,6 +60,8 @@ class Job:
         As in the file; read by the parts of the program that know them.
     fitted : mapping of (effect, target) to tuple of mapping
         Independent changes of an effect's parameters, one standard uncertainty each.
+    correlated : mapping of two (effect, target) to (D, E) float64
+        Correlation coefficients of the D changes of the first with the E of the second.
     """
 
     path: Path
@@ -86,6 +88,7 @@ class Job:
     measurements: Sequence[Mapping[str, Any]]
     history: Sequence[Mapping[str, Any]]
     fitted: Mapping[tuple[str, str], tuple[Mapping[str, Any], ...]]
+    correlated: Mapping[tuple[tuple[str, str], tuple[str, str]], np.ndarray]
 
     @property
     def folder(self) -> Path:

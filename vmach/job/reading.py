@@ -99,6 +99,7 @@ def read_job(path: Job | str | Path) -> Job:
         measurements=data.measurements,
         history=[step.model_dump(exclude_none=True) for step in data.history],
         fitted=_fitted(data, at),
+        correlated=_correlated(data, at),
     )
 
 
@@ -116,6 +117,36 @@ def _fitted(
             )
         found[one.effect, one.target] = tuple(one.one_sigma)
     return found
+
+
+def _correlated(
+    data: JobSchema, at: Callable[..., dict[str, Any]]
+) -> dict[tuple[tuple[str, str], tuple[str, str]], np.ndarray]:
+    """Correlation coefficients of what is left open of two effects each."""
+    found: dict[tuple[tuple[str, str], tuple[str, str]], np.ndarray] = {}
+    for number, one in enumerate(data.correlated):
+        where = at("correlated", str(number))
+        first, second = map(_key_of, one.effects)
+        if first == second or (first, second) in found or (second, first) in found:
+            raise InputError(
+                f"[[correlated]] of {' and '.join(one.effects)}",
+                **where,
+                accepted="two effects, as NAME:TARGET, each two once",
+            )
+        if len({len(row) for row in one.coefficients}) != 1:
+            raise InputError(
+                f"[[correlated]] of {' and '.join(one.effects)}: coefficients",
+                **where,
+                accepted="a list of rows of the same length",
+            )
+        found[first, second] = np.array(one.coefficients)
+    return found
+
+
+def _key_of(word: str) -> tuple[str, str]:
+    """Name and target of an effect, from NAME or NAME:TARGET."""
+    name, _, target = word.partition(":")
+    return name, target
 
 
 def _dialect(data: JobSchema, where: dict[str, Any]) -> str:

@@ -168,6 +168,13 @@ class FittedEntry(FileSection):
     one_sigma: list[dict[str, Finite | list[Finite]]]
 
 
+class CorrelatedEntry(FileSection):
+    """[[correlated]]: two effects that ``vmach add`` fitted together."""
+
+    effects: Annotated[list[str], Field(min_length=2, max_length=2)]
+    coefficients: list[list[Annotated[float, Field(ge=-1.0, le=1.0)]]]
+
+
 class HistoryEntry(FileSection):
     """[[history]]: what ``vmach add`` notes of the job before."""
 
@@ -236,3 +243,4 @@ class JobSchema(FileSection):
     measurements: list[MeasurementTable] = []
     history: list[HistoryEntry] = []
     fitted: list[FittedEntry] = []
+    correlated: list[CorrelatedEntry] = []

@@ -6,14 +6,15 @@ Source: ISO 230-1 (tool relative to workpiece, at the functional point); the equ
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from vmach.base.note import Note
+from vmach.base.note import Kind, Note
 from vmach.base.units import um_from_mm
-from vmach.effects import read_effects
+from vmach.effects import EffectInstance, read_effects
 from vmach.files.csv_table import Cells, rounded, whole
 from vmach.job import Job, read_job
 from vmach.machine import Variant
@@ -68,7 +69,17 @@ def tip_errors(job_path: Job | str | Path, variant: Variant) -> TipErrors:
     preparation = prepare(job)
     nodes = preparation.path.nodes
     moved = displacement_of(preparation, nodes, variant, effects)
-    return TipErrors(nodes, moved.shift_mm, preparation.notes)
+    notes = (*preparation.notes, *_left_out(effects))
+    return TipErrors(nodes, moved.shift_mm, notes)
+
+
+def _left_out(effects: Sequence[EffectInstance]) -> list[Note]:
+    """Effects that show on a surface alone, whatever the axes do."""
+    names = [found.label for found in effects if found.effect.needs_surface]
+    if not names:
+        return []
+    said = f"not in these errors, for they act where the tool meets the part: {', '.join(names)}"
+    return [Note.plain(Kind.LEFT_OUT, said, len(names), "1", place=names[0])]
 
 
 def tip_error_columns(found: TipErrors) -> dict[str, Cells]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from gcode import WORK_OFFSETS, Program, Step
 
-__all__ = ["FrameShift", "rotation_of_moves", "turned_about_z", "zero_settings"]
+__all__ = ["FrameShift", "mirrored_moves", "rotation_of_moves", "turned_about_z", "zero_settings"]
 
 _SYSTEMS = {name: number for number, name in enumerate(WORK_OFFSETS, 1)}
 _G92 = {"G92", "G92.1", "G92.2", "G92.3"}
@@ -18,11 +18,25 @@ _OF_INTEREST = _SYSTEMS.keys() | _G92 | {"G10", "G52"}
 
 
 def rotation_of_moves(program: Program) -> np.ndarray:
-    """Angle about Z, rad, by which the work system of every move is turned, (N,)."""
+    """Angle about Z, rad, by which the axes of every move are turned, (N,).
+
+    That of the work system and that of a programmable frame (ROT, CYCL DEF 10) together.
+    """
+    angle_deg = _in_force(program, "set_xy_rotation", 0) + _in_force(program, "set_turn", 0)
+    return np.radians(angle_deg)
+
+
+def mirrored_moves(program: Program) -> np.ndarray:
+    """Moves in the mirror image of X or Y of a programmable frame, (N,) bool."""
+    return (_in_force(program, "set_turn", 1) < 0.0) | (_in_force(program, "set_turn", 2) < 0.0)
+
+
+def _in_force(program: Program, event: str, place: int) -> np.ndarray:
+    """One value of the last event before every move, (N,); zero before the first."""
     count = len(program.moves)
-    row, told = program.record.events_of("set_xy_rotation")
-    angle = np.concatenate([[0.0], np.radians(told[:, 0]) if len(row) else []])
-    return np.repeat(angle, np.diff(np.concatenate([[0], np.minimum(row, count), [count]])))
+    row, told = program.record.events_of(event)
+    value = np.concatenate([[0.0], told[:, place] if len(row) else []])
+    return np.repeat(value, np.diff(np.concatenate([[0], np.minimum(row, count), [count]])))
 
 
 def zero_settings(program: Program) -> list[tuple[Step, float]]:

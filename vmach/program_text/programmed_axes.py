@@ -7,12 +7,15 @@ from numba import njit
 
 from gcode import BlockText, MoveKind, Program
 from vmach.program_text.blocks.line_modes import LineModes
+from vmach.program_text.frame_shift import rotation_of_moves
 from vmach.program_text.runs.axis_words import AxisWords
 
 __all__ = ["programmed_axes"]
 
 #: what makes the place of axes uncertain, where it says something new or (these) in any case
 _FRAMES = {"set_g5x_offset": (True, True, True), "set_xy_rotation": (True, True, False)}
+#: a programmable frame, which turns or mirrors X and Y
+_TURN = "set_turn"
 #: an axis that goes no farther stands
 _MOVES_MM = 1e-9
 #: an arc turns about an axis with a larger share of its direction
@@ -49,13 +52,14 @@ def programmed_axes(
         point between their start and their end can be told.
     """
     moves = program.moves
-    lost, turned = _lost(program)
+    lost, mixed = _lost(program)
+    turned = rotation_of_moves(program) != 0.0
     moving = moves.kind != MoveKind.DWELL
     said, left = _said(moves.line, moving, modes, text, words)
     counts_on = modes.column("incremental", moves.line, other=False)
     along = np.abs(moves.end_mm - moves.start_mm) > _MOVES_MM
     along |= (moves.kind == MoveKind.ARC)[:, None] & (np.abs(moves.axis) < _ACROSS)
-    return _known_axes(moving, lost, turned, said, left, counts_on, along)
+    return _known_axes(moving, lost, mixed, turned, said, left, counts_on, along)
 
 
 def _said(
@@ -78,7 +82,9 @@ def _said(
 
 
 @njit(cache=True)
-def _known_axes(moving, lost, turned, said, left, counts_on, along):  # pragma: no cover - compiled
+def _known_axes(
+    moving, lost, mixed, turned, said, left, counts_on, along
+):  # pragma: no cover - compiled
     """Go through the moves and keep which axes have had a word."""
     count = len(moving)
     found, unknown_start = np.zeros((count, 3), np.bool_), np.zeros(count, np.bool_)
@@ -86,6 +92,9 @@ def _known_axes(moving, lost, turned, said, left, counts_on, along):  # pragma: 
     for move in range(count):
         for axis in range(3):
             known[axis] &= not lost[move, axis]
+        if mixed[move]:  # a place along the turned axes follows from both
+            known[:2] = known[0] and known[1]
+        for axis in range(3):
             before[axis] = known[axis] or counts_on[move]
         if not moving[move]:
             continue
@@ -102,22 +111,22 @@ def _known_axes(moving, lost, turned, said, left, counts_on, along):  # pragma: 
 
 
 def _lost(program: Program) -> tuple[np.ndarray, np.ndarray]:
-    """Axes whose frame changes before a move, (N + 1, 3) bool; frames that are turned, (N + 1,)."""
+    """Axes whose frame changes before a move, (N + 1, 3) bool; X and Y turned there, (N + 1,).
+
+    By how much a programmable frame turns, the program says itself.
+    """
     lost = np.zeros((len(program.moves) + 1, 3), bool)
-    turned = np.zeros(len(lost), bool)
+    mixed = np.zeros(len(lost), bool)
     told: dict[str, list] = {}
-    since = 0  # row of the last rotation
-    events = program.record.said_events(_ANYWAY.keys() | _FRAMES.keys())
+    events = program.record.said_events(_ANYWAY.keys() | _FRAMES.keys() | {_TURN})
     for row, which in zip(events.row.tolist(), events.which.tolist(), strict=True):
         name, *values = events.told[which]
         if name in _ANYWAY:
             lost[row] |= _ANYWAY[name]
-        elif name in _FRAMES:
+        elif name == _TURN:
+            mixed[row] = True
+        else:
             if told.get(name, values) != values:
                 lost[row] |= _FRAMES[name]
-            if name == "set_xy_rotation":
-                turned[since:row] = told.get(name, [0.0])[0] != 0.0
-                since = row
             told[name] = values
-    turned[since:] = told.get("set_xy_rotation", [0.0])[0] != 0.0
-    return lost, turned
+    return lost, mixed

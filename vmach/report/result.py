@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from gcode.text.source import readable
 from vmach.base.note import Note
 from vmach.features.circular_test import CircularTest
 from vmach.features.result import FeatureResult
@@ -388,5 +389,7 @@ class RunRecord:
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     def nc_text(self, line: int) -> str:
-        """Text of a 1-based NC line, empty where there is no such line."""
-        return self.program_lines[line - 1].strip() if 0 < line <= len(self.program_lines) else ""
+        """Readable text of a 1-based NC line, empty where there is no such line."""
+        if not 0 < line <= len(self.program_lines):
+            return ""
+        return readable(self.program_lines[line - 1]).strip()

@@ -48,7 +48,7 @@ class SaidTool:
 def said_tools(text: str) -> dict[int, SaidTool]:
     """Tools by number; the first comment on each counts."""
     found: dict[int, SaidTool] = {}
-    for line in text.splitlines():
+    for line in text.split("\n"):
         code, mark, comment = _parted(line)
         told = _NUMBER.match(comment) if mark else None
         called = _CALLED.search(code) if mark else None

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vmach.effects import EffectInstance
+from vmach.effects.correlated import acting_together
 from vmach.machine import Machine, RigidDisplacement, Variant
 from vmach.path.toolpath import PathStates
 from vmach.uncertainty.tables import Cause, TableUncertainty
@@ -82,17 +83,25 @@ class DrawnTables:
 
 def drawn_steps(effects: Sequence[EffectInstance], entropy: tuple[int, ...]) -> list[np.ndarray]:
     """Corrections of every effect's parameters in one draw, in their u; none beyond its bounds."""
-    return [_steps(effect, entropy, number) for number, effect in enumerate(effects)]
+    steps = {}
+    for group in acting_together(effects):
+        number = next(k for k, effect in enumerate(effects) if effect is group[0])
+        steps |= dict.fromkeys(map(id, group), _steps(group, entropy, number))
+    return [steps[id(effect)] for effect in effects]
 
 
-def _steps(effect: EffectInstance, entropy: tuple[int, ...], number: int) -> np.ndarray:
-    steps = _stream(entropy, _EFFECTS + number).standard_normal(len(effect.one_sigma))
-    drawn = effect.with_drawn(steps)
+def _steps(group: Sequence[EffectInstance], entropy: tuple[int, ...], number: int) -> np.ndarray:
+    steps = _stream(entropy, _EFFECTS + number).standard_normal(len(group[0].one_sigma))
+    possible = all(_is_within_bounds(effect.with_drawn(steps)) for effect in group)
+    return steps if possible else np.zeros_like(steps)
+
+
+def _is_within_bounds(effect: EffectInstance) -> bool:
     for p in effect.effect.parameters:
-        value = np.asarray(drawn.parameters.get(p.name, p.usual), dtype=float)
+        value = np.asarray(effect.parameters.get(p.name, p.usual), dtype=float)
         if not ((value >= p.low) & (value <= p.high)).all():
-            return np.zeros_like(steps)
-    return steps
+            return False
+    return True
 
 
 def _stream(entropy: tuple[int, ...], number: int) -> np.random.Generator:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from vmach.effects import Circumstances, EffectInstance
+from vmach.effects.correlated import patterns_left_open
 from vmach.job import Job
 from vmach.machine import Variant
 from vmach.path.toolpath import PathStates
@@ -96,7 +97,8 @@ def _causes(
 ) -> list[np.ndarray]:  # fmt: skip
     """Error of every state along its direction by each unit cause, some (P, K) mm."""
     parts = [
-        np.einsum("pi,pik->pk", sensing, effect.uncertainty_patterns(states)) for effect in effects
+        np.einsum("pi,pik->pk", sensing, patterns)
+        for patterns in patterns_left_open(effects, states)
     ]
     if variant is not Variant.NONE:
         tables = TableUncertainty.of(job.machine)

@@ -12,6 +12,7 @@ import numpy as np
 
 from vmach.base.stage_clock import Progress, silent
 from vmach.effects import Circumstances, EffectInstance
+from vmach.effects.correlated import acting_together
 from vmach.machine import Variant
 from vmach.prediction import Prediction
 from vmach.uncertainty.corrections import Corrections, Part
@@ -111,21 +112,40 @@ def point_parts(prediction: Prediction, rows: np.ndarray) -> list[Part]:
         tables = TableUncertainty.of(job.machine)
         for cause, own in tables.signatures(path, normals):
             parts.append(Part(cause.label, own, cause.pool))
-    for effect in prediction.effects:
-        parts += _of_effect(effect, path, normals)
+    for group in acting_together(prediction.effects):
+        for effect in group:
+            law = np.einsum("pi,pik->pk", normals, effect.unforeseen(path))
+            parts.append(Part(f"{effect.label} law", law))
+        parts.append(parameters_part(group, path, normals))
     return parts
 
 
-def _of_effect(effect: EffectInstance, path: Circumstances, normals: np.ndarray) -> list[Part]:
-    """What its law leaves open, and its parameters."""
-    law = np.einsum("pi,pik->pk", normals, effect.unforeseen(path))
-    return [Part(f"{effect.label} law", law), parameters_part(effect, path, normals)]
+def parameters_part(
+    group: Sequence[EffectInstance], path: Circumstances, normals: np.ndarray
+) -> Part:
+    """What the corrections of parameters do along `normals` (P, 3), to second order.
+
+    Parameters
+    ----------
+    group : sequence of EffectInstance
+        One, or those whose parameters are correlated: their shares cannot be told apart.
+    path : Circumstances
+    normals : (P, 3) array
+    """
+    parts = [_of_parameters(effect, path, normals) for effect in group]
+    straight = np.sum([straight for straight, _ in parts], axis=0)
+    curved = [bent for _, bent in parts if bent is not None]
+    label = ", ".join(effect.label for effect in group) + " parameters"
+    return Part(label, straight, curved_mm=np.sum(curved, axis=0) if curved else None)
 
 
-def parameters_part(effect: EffectInstance, path: Circumstances, normals: np.ndarray) -> Part:
-    """What the corrections of an effect's parameters do along `normals` (P, 3), to second order."""
+def _of_parameters(
+    effect: EffectInstance, path: Circumstances, normals: np.ndarray
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """What each change does, (P, K), and each two together beyond that, (P, K, K) or None."""
     count = len(effect.one_sigma)
     unit = np.eye(count)
+    moving = [k for k, change in enumerate(effect.one_sigma) if change]
 
     def sensed(moved: np.ndarray) -> np.ndarray:
         return np.einsum("pi,pi...->p...", normals, moved)
@@ -133,19 +153,22 @@ def parameters_part(effect: EffectInstance, path: Circumstances, normals: np.nda
     def at(*steps: np.ndarray) -> np.ndarray:
         return sensed(effect.at_parameters(path, sum(steps, np.zeros(count))))
 
-    here, up, down = at(), [at(e) for e in unit], [at(-e) for e in unit]
+    if effect.is_straight:
+        return sensed(effect.of_parameters(path)), None
+    here = at()
+    up, down = ({k: at(sign * unit[k]) for k in moving} for sign in (1.0, -1.0))
     straight = np.zeros((len(path), count))
     curved = np.zeros((len(path), count, count))
-    for k in range(count):
+    for i, k in enumerate(moving):
         straight[:, k] = 0.5 * (up[k] - down[k])
         curved[:, k, k] = 0.5 * (up[k] + down[k]) - here
-        for other in range(k):
+        for other in moving[:i]:
             both = at(unit[k], unit[other])
             curved[:, k, other] = both - up[k] - up[other] + here
     if not (np.isfinite(straight).all() and np.isfinite(curved).all()):
         # one standard uncertainty leaves what the law can say: its tangents are all there is
-        straight, curved = sensed(effect.of_parameters(path)), None
-    return Part(f"{effect.label} parameters", straight, curved_mm=curved)
+        return sensed(effect.of_parameters(path)), None
+    return straight, curved
 
 
 def _joined_shares(

@@ -14,6 +14,7 @@ import numpy as np
 
 from vmach.base.stage_clock import Progress, silent
 from vmach.effects import Circumstances
+from vmach.effects.correlated import acting_together
 from vmach.machine import Variant
 from vmach.nominal.points import SurfacePoints
 from vmach.path.touched_zero import relative_to_zero
@@ -93,7 +94,9 @@ def _apart(
     path = Circumstances(states, before.preparation.job, before.variant)
     moved = states.seen_mm(relative_to_zero(path.job, states, acting.displacement))
     expected = before.deviation_mm[both] + np.einsum("ij,ij->i", normals, moved)
-    for effect, drawn in zip(before.effects, steps, strict=True):
-        part = Corrections.of([parameters_part(effect, path, normals)], len(states))
+    drawn_of = {id(effect): drawn for effect, drawn in zip(before.effects, steps, strict=True)}
+    for group in acting_together(before.effects):
+        drawn = drawn_of[id(group[0])]
+        part = Corrections.of([parameters_part(group, path, normals)], len(states), has_all=True)
         expected += part.values_mm(drawn[:, None])[:, 0]
     return float(np.abs(after.deviation_mm[both] - expected).max())

@@ -72,7 +72,7 @@ class Sinumerik(Dialect):
         re.IGNORECASE,
     )
     unwritable = re.compile(
-        r"=\s*(?![-+.\d])|=\s*[-+]?[\d.]+\s*[-+*/]|\b(?:AP|RP|AR)\s*=|\bMCALL\b|CYCLE[78]|HOLES[12]"
+        r"=\s*[-+]?\s*(?![-+.\d\s])|=\s*[-+]?[\d.]+\s*[-+*/]|\b(?:AP|RP|AR)\s*=|\bMCALL\b|CYCLE[78]|HOLES[12]"
         r"|POCKET|SLOT[12]|LONGHOLE|\bC(?:IP|T)\b|\bRNDM?\s*=|\bCH[FR]\s*=|\bDISR\s*=",
         re.IGNORECASE,
     )

@@ -117,6 +117,8 @@ class Flow:
         else:
             variables.assign(name, variables.value(match[2]))
             self.counters[line] = variables.value(match[3])
+        if reader.controller.trace is not None:
+            reader.controller.trace.assign(f"{name}={variables.value(name):.17g}")
         if variables.value(name) > self.counters[line]:
             del self.counters[line]
             reader.next = self._partner("FOR", reader.next) + 1

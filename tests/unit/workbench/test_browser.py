@@ -362,7 +362,10 @@ def test_the_console_is_silent_and_nobody_else_is_asked(tab, heard, served):
     assert heard["hosts"] == {served[0].split("/")[2]}
 
 
-def test_it_closes_when_it_is_told_to(tab, served):
+def test_it_closes_when_it_is_told_to_and_nothing_breaks(tab, heard, served):
     tab.locator("#shut-down").click()
     tab.get_by_text("The workbench is closed").wait_for()
+    tab.wait_for_timeout(500)  # maps and lists learn that they have no size any more
+    assert not tab.locator("#bench").is_visible()
+    assert [text for text in heard["console"] if "Cannot read" in text] == []
     assert served[2].wait(PATIENCE_MS / 1000) == 0

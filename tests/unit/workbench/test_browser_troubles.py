@@ -13,6 +13,7 @@ from tests.unit.workbench.browser import (
     complaint,
     dismiss,
     drop,
+    figure,
     needs_browser,
     open_job,
     ready,
@@ -77,7 +78,7 @@ def test_a_decimal_comma_is_one_and_two_numbers_are_refused(tab):
     assert "0,3 2" in complaint(tab)
     tab.locator(".readings [name=u_um]").fill("0,3")
     take.click()
-    assert "1,500" in complaint(tab) and not sent  # 1.5, or 1500?
+    assert "1,500 may be 1500 or 1.5" in complaint(tab) and not sent
     tab.locator(".readings [name=radius_mm]").fill("150")
     take.click()
     assert "it is refused" in complaint(tab)
@@ -243,6 +244,47 @@ def test_a_job_that_cannot_be_read_is_not_compared_with(tab):
     assert "diameter_mm" in complaint(tab)
     tab.locator("#other-view").wait_for(state="hidden")
     until(lambda: choice.input_value() == "")
+
+
+def test_the_difference_ends_where_the_other_part_is_not_the_same(tab, folder):
+    """What was seen stayed, under the name of the other job."""
+    open_job(tab, "part/job.toml")
+    tab.locator("#quantity").select_option("deviation")
+    says(tab, "#figures", "Beyond")
+    mine = figure(tab, "RMS")
+    tab.locator("#tab-compare").click()
+    choose = tab.get_by_label("Job to compare with")
+    choose.select_option(str(folder / "odd.toml"))
+    tab.get_by_label("show the difference").check()
+    until(lambda: figure(tab, "RMS") != mine)
+    choose.select_option(str(folder / "wider.toml"))
+    says(tab, "#panel-compare", "no difference to show")
+    until(lambda: figure(tab, "RMS") == mine)
+    assert tab.locator("#caption").inner_text() == "part"
+    assert tab.locator("#other-view").is_visible()
+    choose.select_option(str(folder / "odd.toml"))
+    tab.get_by_label("show the difference").wait_for()
+    assert not tab.get_by_label("show the difference").is_checked()
+    choose.select_option(label="nothing")
+    tab.locator("#other-view").wait_for(state="hidden")
+
+
+def test_sliders_have_names_and_say_what_they_are_set_to(tab):
+    tab.locator(".options summary").click()
+    for name, place in {"Tolerance": "#tolerance", "End of the scale": "#range"}.items():
+        slider = tab.get_by_role("slider", name=name)
+        assert slider.get_attribute("id") == place[1:]
+        assert "µm" in slider.get_attribute("aria-valuetext")
+    tab.keyboard.press("Escape")
+
+
+def test_a_phone_has_a_few_lines_of_the_program_at_a_time(tab, context):
+    """All lines in the page at once, as it was, are too much of a long program."""
+    with browser_alone(context, {"width": 500, "height": 900}) as phone:
+        page = phone.new_page()
+        page.goto(tab.url)
+        ready(page)
+        assert page.locator("#lines").bounding_box()["height"] == pytest.approx(220, abs=1)
 
 
 def test_the_section_lies_in_the_part_that_is_open(tab):

@@ -3,12 +3,14 @@
 import gzip
 import json
 import re
+import shutil
 from urllib.parse import quote
 
 import numpy as np
 import pytest
 
 from tests.measured_job import write_measured_job
+from tests.unit.workbench.conftest import Page
 from vmach.api.comparison import compare
 from vmach.api.points import predict, surface_points
 from vmach.effects import catalogue
@@ -226,3 +228,21 @@ def test_a_result_is_handed_out_under_the_name_of_its_job(page, measured_folder)
     said = answer.headers["content-disposition"]
     assert answer.text == "M30\n" and quote(f"{made.parent.name}-compensated.nc") in said
     assert 'filename="part.nc"' in page.get("/download/part.nc").headers["content-disposition"]
+
+
+def test_the_texts_of_two_programs_are_compared_as_people_wrote_them(measured_folder, tmp_path):
+    """Byte 85 of a capital A with a ring in UTF-8 ends a line of Latin-1 to Python."""
+    folder = tmp_path / "part"
+    shutil.copytree(measured_folder, folder)
+    lines = (folder / "part.nc").read_bytes().splitlines()
+    lines.insert(1, "(SK\u00c5R F\u00d6R)".encode())
+    (folder / "part.nc").write_bytes(b"\n".join(lines))
+    (folder / "moved.nc").write_bytes(b"\n".join([*lines[:-1], b"M30", b"(one more)"]))
+    page = Page(folder / "job.toml")
+    with page.client:
+        shown = page.get("/api/program?first=1&count=3").json()["lines"]
+        found = page.get("/api/difference?file=moved.nc").json()
+    assert shown[1] == "(SK\u00c5R F\u00d6R)"
+    assert (found["before"], found["after"]) == (len(lines), len(lines) + 1)
+    assert found["added"] - found["removed"] == 1
+    assert not any("SK" in text and mark != " " for h in found["hunks"] for mark, text in h["rows"])

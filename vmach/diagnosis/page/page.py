@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from markupsafe import Markup
 
+from gcode.text.source import Source
 from vmach.base.colour_ramp import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.base.units import um_from_mm, with_micro_sign
 from vmach.diagnosis.diagnose import Diagnosis
@@ -48,6 +49,7 @@ def write_diagnosis_page(
     title: str,
     nominal: Mesh | None,
     command: str,
+    job: str,
     program: str | None = None,
 ) -> None:
     """Write the page; it asks the network for nothing.
@@ -62,6 +64,8 @@ def write_diagnosis_page(
         The surface to show the residual on; without it the points are shown alone.
     command : str
         Command line as typed.
+    job : str
+        The job as typed, for the commands that the page proposes.
     program : str, optional
         File of the next measurement's program.
 
@@ -70,7 +74,7 @@ def write_diagnosis_page(
     InputError
         The folder cannot be written to.
     """
-    residuals, job = found.residuals, found.residuals.survey.job
+    residuals, read = found.residuals, found.residuals.survey.job
     part = residual_map(residuals, nominal)
     heading, summary = headline(found)
     tested = [c for c in found.candidates if c.is_tested]
@@ -90,7 +94,7 @@ def write_diagnosis_page(
         relative=RELATIVE,
         add=words_of_add(found),
         weak_words=weak_words,
-        job_file=job.path.name,
+        job=job,
         map=None if part is None else _map_view(part, nominal is not None),
         panels=covariate_panels(residuals),
         instruments=instrument_pictures(residuals),
@@ -104,7 +108,7 @@ def write_diagnosis_page(
         chance=chance_words,
         css=style_sheet(asset("page.css", _HERE)),
         page_data=None if part is None else script_json(_page_data(part)),
-        payload=None if part is None else encode_payload(part.mesh, part.points, _record(job)),
+        payload=None if part is None else encode_payload(part.mesh, part.points, _record(read)),
         scripts=[*viewer_scripts(), asset("page.js", _HERE)],
     )
     with atomic_file(path) as temporary:
@@ -185,5 +189,5 @@ def _page_data(part: ResidualMap) -> dict:
 
 def _record(job: Job) -> RunRecord:
     """What the payload says of the run: the text of the program."""
-    lines = job.program.read_text(encoding="latin-1").splitlines()
-    return RunRecord("", "", "abbe", job.inspection.tolerance_mm, program_lines=tuple(lines))
+    lines = tuple(Source.read(job.program).lines)
+    return RunRecord("", "", "abbe", job.inspection.tolerance_mm, program_lines=lines)

@@ -69,7 +69,13 @@ def survey_part(other: Job, model: Job) -> Survey:
         raise InputError(
             "no part was measured", file=other.path, accepted="measured = a CSV of CMM points"
         )
-    job = replace(other, machine=model.machine, effects=model.effects, fitted=model.fitted)
+    job = replace(
+        other,
+        machine=model.machine,
+        effects=model.effects,
+        fitted=model.fitted,
+        correlated=model.correlated,
+    )
     effects = read_effects(model.effects, file=model.path, job=job)
     part, _ = measure_part(prepare(job), other.measured, effects=effects)
     return Survey(job, (part,), effects)

@@ -17,6 +17,7 @@ import numpy as np
 
 from vmach.errors import InputError
 from vmach.features.association.criteria import PROBLEMS
+from vmach.features.association.linear_program import solve
 from vmach.features.association.pose import Pose, motion_rows
 from vmach.features.surface import Compound, Surface
 
@@ -30,6 +31,9 @@ _STILL = 1e-14
 #: singular values below this share of the largest belong to motions that change nothing
 RANK = 1e-7
 _ITERATIONS = 100
+_ROUND = ("inscribed", "circumscribed")
+#: points lie on one side where a direction has at least this share of all that point to them
+_ONE_SIDED = 1e-9
 
 
 @dataclass(frozen=True)
@@ -120,7 +124,7 @@ def associate(
 def _check(surface: Surface, points: np.ndarray, criterion: str) -> None:
     if criterion not in CRITERIA:
         raise InputError(f"association {criterion!r}", accepted=", ".join(CRITERIA))
-    if criterion in ("inscribed", "circumscribed") and surface.kind not in ("cylinder", "sphere"):
+    if criterion in _ROUND and surface.kind not in ("cylinder", "sphere"):
         raise InputError(
             f"{criterion} association of a {surface.kind}", accepted="a cylinder or a sphere"
         )
@@ -231,7 +235,8 @@ def _extremal(state: _State, allowed: np.ndarray, criterion: str) -> Association
         return _as_it_lies(state, criterion)
     start = _least_squares(state, allowed)
     state = replace(state, pose=start.pose, surface=start.surface)
-    if criterion in ("inscribed", "circumscribed"):
+    if criterion in _ROUND:
+        _check_all_round(state, criterion)
         allowed = allowed[:, : allowed.shape[1] - state.sizes]
     distance, rows = state.look()
     basis = row_space(rows, allowed)
@@ -245,6 +250,7 @@ def _extremal(state: _State, allowed: np.ndarray, criterion: str) -> Association
         step, weight, promised = problem.step(state, distance, rows @ basis, trust)
         trial = state.moved(basis @ step)
         reached = problem.value(trial, trial.look()[0])
+        hoped = best - promised
         active = np.abs(weight) > 1e-9
         if reached < best or criterion == "tangent":
             gained = best - reached
@@ -254,10 +260,31 @@ def _extremal(state: _State, allowed: np.ndarray, criterion: str) -> Association
                 break
         else:
             trust /= 4.0
-        if (best - promised < 1e-12 and criterion != "tangent") or trust < 1e-13:
+        if (hoped < 1e-12 and criterion != "tangent") or trust < 1e-13:
             break
+    else:
+        if criterion in _ROUND:
+            raise _not_all_round(state, criterion)
     gain = basis @ _active_gain(rows @ basis, active, problem.level(state, weight))
     return state.result(problem.reported(best), problem.reported_weight(weight), gain)
+
+
+def _check_all_round(state: _State, criterion: str) -> None:
+    """Refuse points on one side: an inscribed surface would grow, the other one shrink to them."""
+    away = state.surface.rows(state.pose.undo(state.points))[1]
+    # the direction d with the largest t for which away . d >= t, both within 1
+    table = np.hstack([away, -np.ones((len(away), 1))])
+    found = solve(np.array([0.0, 0.0, 0.0, -1.0]), table, np.zeros(len(away)), np.ones(4))
+    if found.x[3] > _ONE_SIDED:
+        raise _not_all_round(state, criterion)
+
+
+def _not_all_round(state: _State, criterion: str) -> InputError:
+    return InputError(
+        f"{criterion} {state.surface.kind} of points that do not go all round",
+        accepted="points on all sides",
+        hint="least squares takes less than half a turn",
+    )
 
 
 def _as_it_lies(state: _State, criterion: str) -> Association:

@@ -17,6 +17,7 @@ from vmach.program_text.expanding.expanded_text import Expanded
 from vmach.program_text.expanding.plain_lines import plain_lines
 from vmach.program_text.expanding.plain_motion import plain
 from vmach.program_text.expanding.unrolling import unrolled
+from vmach.program_text.frame_shift import mirrored_moves
 
 __all__ = ["Expanded", "expanded", "job_of_control", "prepare_plain"]
 
@@ -25,6 +26,8 @@ _SAME_MM = 1e-9
 _SAME_FEED = 1e-5
 #: controls that count milliseconds round a pause
 _SAME_PAUSE_S = 1e-3
+#: lines that a message names
+_MOST_TOLD = 10
 
 
 def expanded(program: Program, *, floating_tap: bool = True) -> tuple[Program, Expanded]:
@@ -50,6 +53,7 @@ def expanded(program: Program, *, floating_tap: bool = True) -> tuple[Program, E
     InputError
         Something cannot be written out, or the new text makes another path.
     """
+    _check_not_mirrored(program)
     whole = Expanded.unchanged(program)
     for expand in (unrolled, lambda p: plain(p, floating_tap=floating_tap), plain_lines):
         step = expand(program)
@@ -87,6 +91,23 @@ def job_of_control(preparation: Preparation) -> Job:
     if program.language.is_rs274:
         return preparation.job
     return replace(preparation.job, dialect=program.dialect)
+
+
+def _check_not_mirrored(program: Program) -> None:
+    """Refuse mirror images: their words and the senses of their arcs are not written anew."""
+    moves = program.moves
+    lines = np.unique(moves.line[mirrored_moves(program) & (moves.kind != MoveKind.DWELL)])
+    if not lines.size:
+        return
+    told = ", ".join(map(str, lines[:_MOST_TOLD].tolist()))
+    told += " ..." if lines.size > _MOST_TOLD else ""
+    raise InputError(
+        f"mirror image cannot be compensated (lines {told})",
+        file=program.path,
+        line=int(lines[0]),
+        accepted="shifts and rotations",
+        hint="post the program without the mirror image",
+    )
 
 
 def _read_again(program: Program, step: Expanded) -> Program:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import pairwise
 
 from gcode import PlainLines, Program, ProgramError, Step, block_items
@@ -88,7 +88,12 @@ def _write_in_running_order(program: Program, steps: list[Step], lines: LineBuil
     for line in range(1, steps[0].line):
         lines.keep(line)
     seen: set[float] = set()
+    last_of_block = _block_ends(program)
+    first = last = 0  # lines of the block that runs
     for step in steps:
+        if first < step.line <= last:  # it has gone with its first line
+            continue
+        first, last = step.line, last_of_block(step.line)
         text = _running_text(program, step, first=not lines.written and not lines.reasons)
         if text is None:
             lines.drop(step.line, _FLOW)
@@ -99,7 +104,7 @@ def _write_in_running_order(program: Program, steps: list[Step], lines: LineBuil
             text = text if number not in seen else label[1] + text[label.end() :]
             seen.add(number)
         if text == program.source.line(step.line):
-            lines.keep(step.line)
+            lines.keep(step.line, last)
         else:
             lines.write(step.line, text, _FLOW)
     last = max(step.line for step in steps)
@@ -110,13 +115,21 @@ def _write_in_running_order(program: Program, steps: list[Step], lines: LineBuil
             lines.keep(line)
 
 
+def _block_ends(program: Program) -> Callable[[int], int]:
+    """Gives the last line of the block that begins in a line."""
+    text = program.language.text(program.source)
+    if program.language.is_rs274 or text.plain is None:
+        return lambda line: line
+    return text.plain(program.source, {}).last_line
+
+
 def _running_text(program: Program, step: Step, *, first: bool) -> str | None:
     """What a line becomes where it runs; None where nothing of it is left."""
     text = program.source.line(step.line)
     if not program.language.is_rs274:
         flow = program.language.flow_lines
-        if step.is_flow:
-            return None
+        if step.is_flow or step.assignment:
+            return step.assignment or None
         return None if flow is not None and flow.match(text) else text
     code = _code(program, step.line)
     if memory := _MODAL_MEMORY & {int(m) for m in step.m_codes}:

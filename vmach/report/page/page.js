@@ -41,6 +41,7 @@
     state.tolerance = index;
     const um = toleranceUm();
     byId("tolerance-text").textContent = short(um);
+    byId("tolerance").setAttribute("aria-valuetext", short(um) + " µm");
     for (const text of all(".tolerance-value")) text.textContent = short(um);
     for (const cell of all("[data-outside]")) {
       const { weight, outside } = page.variants[cell.dataset.outside];
@@ -84,6 +85,7 @@
   function showRange() {
     const end = rangeUm();
     byId("range-text").textContent = short(end);
+    byId("range").setAttribute("aria-valuetext", short(end) + " µm");
     const { is_signed } = page.variants[state.variant]; // sizes begin at 0 and take no sign
     byId("ticks").replaceChildren(...Array.from({ length: 9 }, (_, i) => {
       const value = end * (1 - i / (is_signed ? 4 : 8));

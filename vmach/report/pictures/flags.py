@@ -11,8 +11,9 @@ from vmach.features.result import FeatureResult, Place
 from vmach.features.verdict import Verdict
 from vmach.report.figures.features import flag_text, flagged
 from vmach.report.pictures.camera import Camera
+from vmach.report.pictures.rasterise import Visible
 
-__all__ = ["draw_flags"]
+__all__ = ["draw_flags", "seen_place"]
 
 #: edge of a flag by its verdict; the text says it too
 _COLOURS = {
@@ -27,10 +28,14 @@ _PITCH, _SIDE = 0.085, 0.01
 
 
 def draw_flags(
-    panel: Axes, features: Sequence[FeatureResult], camera: Camera, size: tuple[int, int]
+    panel: Axes,
+    features: Sequence[FeatureResult],
+    camera: Camera,
+    visible: Visible,
+    size: tuple[int, int],
 ) -> None:
-    """Draw the flags of the features that matter, on both sides of a picture of some pixels."""
-    pairs = [(result, _seen(result, camera)) for result in flagged(features)]
+    """Draw the flags of the features that are seen, on both sides of a picture of some pixels."""
+    pairs = [(result, seen_place(result, camera, visible, size)) for result in flagged(features)]
     seen = [result for result, place in pairs if place is not None]
     if not seen:
         return
@@ -42,10 +47,15 @@ def draw_flags(
             _draw(panel, seen[k], places[k, :2], (_SIDE if is_left else 1.0 - _SIDE, 1.0 - height))
 
 
-def _seen(result: FeatureResult, camera: Camera) -> Place | None:
-    """The first point of a feature that faces the viewer."""
-    facing = (p for p in result.places if float(camera.axes[2] @ np.array(p.normal)) > _SEEN)
-    return next(facing, None)
+def seen_place(
+    result: FeatureResult, camera: Camera, visible: Visible, size: tuple[int, int]
+) -> Place | None:
+    """The first point of a feature that faces the viewer and that no other surface hides."""
+    facing = [p for p in result.places if float(camera.axes[2] @ np.array(p.normal)) > _SEEN]
+    if not facing:
+        return None
+    shown = visible.shows(camera.pixels(np.array([p.at_mm for p in facing]), size))
+    return next((place for place, is_shown in zip(facing, shown, strict=True) if is_shown), None)
 
 
 def _heights(wanted: np.ndarray) -> np.ndarray:

@@ -74,14 +74,16 @@ def heatmap_png(
     names = _telling_columns(points) if columns is None else list(columns)
     range_mm = common_range_mm([points[name] for name in names])
     camera = isometric_camera(mesh.vertices_mm)
-    pictures = _pictures([mesh.colourings[name] for name in names], mesh, camera, range_mm)
+    visible = Visible.of(mesh, camera, _size(camera))
+    colourings = [mesh.colourings[name] for name in names]
+    pictures = _pictures(colourings, mesh, camera, visible, range_mm)
     figure, panels = _figure(len(names), pictures.shape[1] / _DPI)
     for panel, name, picture in zip(panels, names, pictures, strict=True):
         panel.set_axis_off()
         panel.imshow(picture, interpolation="none", aspect="auto")
         _caption(panel, points[name].label, column_statistics(points[name], run.tolerance_mm), run)
         if name == points.primary.name:
-            draw_flags(panel, run.features, camera, picture.shape[1::-1])
+            draw_flags(panel, run.features, camera, visible, picture.shape[1::-1])
     left, top = _MARGIN_INCH / figure.get_figwidth(), 1 - 0.34 / figure.get_figheight()
     figure.text(left, top, _plain(run.title), size=15, weight="bold", color=_INK)
     _add_colour_bar(figure, range_mm)
@@ -95,15 +97,22 @@ def _telling_columns(points: InspectedPoints) -> list[str]:
     return [name for name in names if name != "none"] or names
 
 
+def _size(camera: Camera) -> tuple[int, int]:
+    """Width and height of a panel's picture in pixels."""
+    width = round(_PANEL_WIDTH_INCH * _DPI)
+    return width, round(width * camera.height_mm / camera.width_mm)
+
+
 def _pictures(
-    colourings: list[Colouring], mesh: DisplayMesh, camera: Camera, range_mm: float
+    colourings: list[Colouring],
+    mesh: DisplayMesh,
+    camera: Camera,
+    visible: Visible,
+    range_mm: float,
 ) -> np.ndarray:
     """(K, height, width, 4) uint8, one picture a colouring."""
-    width = round(_PANEL_WIDTH_INCH * _DPI)
-    size = (width, round(width * camera.height_mm / camera.width_mm))
     shade = shading(vertex_normals(mesh), camera)
     colours = (shade[:, None] * colours_of(c.value_mm, c.known, range_mm) for c in colourings)
-    visible = Visible.of(mesh, camera, size)
     return np.stack([visible.coloured(c) for c in colours])
 
 

@@ -18,6 +18,8 @@ _OVERSAMPLING = 3
 #: width of an outline: one pixel, half of it on either side of the edge
 _LINE_SAMPLES = _OVERSAMPLING
 _EDGE_COLOUR = (0.16, 0.18, 0.20)
+#: how far behind the surface a point is still on it, as a share of the picture's height
+_SLACK = 0.01
 #: what a sample shows that shows no triangle
 _NOTHING, _EDGE = -1, -2
 
@@ -55,11 +57,17 @@ class Visible:
         The nearest at each sample; `_NOTHING`, or `_EDGE` on an outline.
     share : (H, W, 2) float32
         Of the triangle's second and third corner.
+    depth_mm : (H, W) float64
+        Of the surface at each sample, larger is nearer; minus infinity where there is none.
+    slack_mm : float
+        A point so far behind the surface is still on it.
     """
 
     triangles: np.ndarray
     triangle: np.ndarray
     share: np.ndarray
+    depth_mm: np.ndarray
+    slack_mm: float
 
     @classmethod
     def of(cls, mesh: DisplayMesh, camera: Camera, size: tuple[int, int]) -> Visible:
@@ -78,7 +86,20 @@ class Visible:
         )
         bias_mm = 2e-3 * camera.height_mm
         _draw_lines(seen[sharp_edges(mesh)], triangle, depth, bias_mm, _LINE_SAMPLES)
-        return cls(triangles, triangle, share)
+        return cls(triangles, triangle, share, depth, slack_mm=_SLACK * camera.height_mm)
+
+    def shows(self, pixels: np.ndarray) -> np.ndarray:
+        """Whether nothing hides points, (N,) bool; `pixels` (N, 3) are those of `Camera.pixels`.
+
+        A pixel's neighbours count as well: a steep wall is seen as a narrow strip.
+        """
+        height, width = self.depth_mm.shape
+        middles = np.floor(_OVERSAMPLING * pixels[:, 1::-1]).astype(np.int64)
+        reach = np.arange(-_OVERSAMPLING, _OVERSAMPLING + 1)
+        rows = np.clip(middles[:, :1] + reach, 0, height - 1)
+        columns = np.clip(middles[:, 1:] + reach, 0, width - 1)
+        around = self.depth_mm[rows[:, :, None], columns[:, None, :]]
+        return around.min(axis=(1, 2)) <= pixels[:, 2] + self.slack_mm
 
     def coloured(self, colours: np.ndarray) -> np.ndarray:
         """The picture with these colours (V, 3) of the vertices, (height, width, 4) uint8."""

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from gcode.text.source import readable
 from vmach.base.units import um_from_mm
 from vmach.errors import InputError
 from vmach.job import Job, job_name
@@ -187,8 +188,8 @@ class Answers:
     def program(self, first: int, count: int) -> Answer:
         """Lines of the program's text, from the 1-based `first` on."""
         lines = self._model.preparation.program.source.lines
-        return {"first": first, "total": len(lines),
-                "lines": list(lines[first - 1 : first - 1 + count])}, b""  # fmt: skip
+        shown = [readable(line) for line in lines[first - 1 : first - 1 + count]]
+        return {"first": first, "total": len(lines), "lines": shown}, b""
 
     def effects(self) -> Answer:
         """Cards of all effects, and of the machine's tables."""

@@ -12,6 +12,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
+from gcode.text.source import Source, readable
 from vmach.errors import InputError, VmachError
 from vmach.files.atomic import atomic_file
 from vmach.files.job_name import free_job_name
@@ -152,17 +153,17 @@ async def _difference(request: Request) -> Response:
     session, folder = session_of(request), _folder(request)
     about, _ = await session.ask("about")
     program = next(file for file in about["files"] if file.endswith(about["program"]))
-    with open(program, encoding="latin-1") as file:
-        before = file.read(_MOST_TEXT).splitlines()
-    after = _text(folder.existing(str(request.query_params.get("file", "")))).splitlines()
+    written = folder.existing(str(request.query_params.get("file", "")))
+    before, after = (_program_lines(Path(path)) for path in (program, written))
     is_long = max(len(before), len(after)) > _MOST_LINES
     hunks = [] if is_long else await asyncio.to_thread(_first_hunks, before, after)
-    changed = sum(len([r for r in h["rows"] if r[0] != " "]) for h in hunks)
+    marks = [mark for hunk in hunks for mark, _ in hunk["rows"]]
     return JSONResponse({
         "hunks": hunks[:_MOST_HUNKS],
         "is_cut": len(hunks) > _MOST_HUNKS,
         "is_long": is_long,
-        "changed": changed,
+        "removed": marks.count("-"),
+        "added": marks.count("+"),
         "before": len(before),
         "after": len(after),
     })  # fmt: skip
@@ -187,10 +188,20 @@ def _hunks(before: list[str], after: list[str]):
         yield {"line": group[0][1] + 1, "new_line": group[0][3] + 1, "rows": rows}
 
 
-def _text(path) -> str:
+def _program_lines(path: Path) -> list[str]:
+    """Lines of a program as people wrote them, where it is not too long for the page."""
+    _check_size(path)
+    return [readable(line) for line in Source.read(path).lines]
+
+
+def _check_size(path: Path) -> None:
     if path.stat().st_size > _MOST_TEXT:
         raise InputError(f"{path.name} has {path.stat().st_size} bytes",
                          accepted=f"up to {_MOST_TEXT} in the page")  # fmt: skip
+
+
+def _text(path: Path) -> str:
+    _check_size(path)
     return path.read_text(encoding="utf-8", errors="replace")
 
 

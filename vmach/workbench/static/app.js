@@ -160,8 +160,10 @@ function offerJob({ kind, state, result }) {
   notice([`${name} is written; another job was opened meanwhile. `, button], "news stay", "made " + name);
 }
 
+// What still runs, as a map that is drawn anew, finds its elements.
 function goodbye(title, text) {
-  document.body.replaceChildren(el("main", { class: "start" }, el("h1", {}, title), el("p", { class: "lead" }, text)));
+  for (const one of document.body.children) one.hidden = true;
+  document.body.append(el("main", { class: "start" }, el("h1", {}, title), el("p", { class: "lead" }, text)));
 }
 
 function start() {

@@ -98,7 +98,10 @@ async function show(job) {
   stage.scenes = [stage.scene, other.scene];
   for (const name of ["azimuth", "elevation", "zoom"]) other.scene[name] = stage.scene[name];
   byId("other-caption").textContent = about.name;
+  const wasDifference = other.isDifference;
+  other.isDifference &&= other.isAlike;
   showViews();
+  if (wasDifference && !other.isDifference) return loadValues(); // the figures that come load the other's
   await loadOther();
 }
 

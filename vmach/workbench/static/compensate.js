@@ -69,12 +69,14 @@ const loadDifference = attempt(async (number, program) => {
   state.draw();
 });
 
+const linesOf = (count) => `${count} ${count === 1 ? "line" : "lines"}`;
+
 function differenceView() {
   const d = state.difference;
   if (!d) return el("p", { class: "soft" }, "Comparing the texts …");
   if (d.is_long) return el("p", { class: "soft" }, `${d.before} lines became ${d.after}: too many to be compared in the page.`);
   const marks = { " ": "same", "-": "old", "+": "new" };
-  return el("details", { class: "difference", open: true, "data-free": "" }, el("summary", {}, `${d.changed} changed lines (${d.before} → ${d.after} lines)${d.is_cut ? ", the first of them" : ""}`),
+  return el("details", { class: "difference", open: true, "data-free": "" }, el("summary", {}, `${linesOf(d.removed)} replaced by ${d.added}${d.is_cut ? ", the first of all" : ""}; ${d.before} → ${linesOf(d.after)}`),
     el("div", { class: "hunks" }, d.hunks.map((hunk) => el("div", { class: "hunk" }, el("p", { class: "soft" }, `from line ${hunk.line}`),
       hunk.rows.map(([mark, text]) => el("div", { class: marks[mark] }, el("span", {}, mark === "-" ? "−" : mark), text))))));
 }

@@ -67,7 +67,9 @@ const valueOf = (text) => (NUMBER.test(text) ? Number(text.replace("−", "-").r
 const THOUSANDS = /^[+\-−]?[1-9]\d{0,2}(,\d{3})+$/; // 1,500 may be either
 
 export function oneNumber(text, what) {
-  const value = THOUSANDS.test(text.trim()) ? NaN : valueOf(text.trim());
+  const value = valueOf(text.trim());
+  if (THOUSANDS.test(text.trim()))
+    throw new Error(`${what}: ${text.trim()} may be ${text.trim().replaceAll(",", "")} or ${value}; accepted: a decimal point, or no comma`);
   if (Number.isFinite(value)) return value;
   throw new Error(`${what}: ${text.trim()}; accepted: one number, such as 1.5`);
 }

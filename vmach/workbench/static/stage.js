@@ -188,6 +188,7 @@ export function setTolerance(um) {
 
 function showTolerance() {
   byId("tolerance-text").textContent = short(stage.toleranceUm) + " µm";
+  byId("tolerance").setAttribute("aria-valuetext", byId("tolerance-text").textContent);
   stage.scene?.setLook({ tolerance: stage.toleranceUm });
 }
 
@@ -220,6 +221,7 @@ function showScale() {
   const end = stage.rangeUm = Number((range_um * 10 ** ((at - 50) / 50)).toPrecision(2));
   const hasSign = isSigned(), shares = hasSign ? [1, 0.5, 0, -0.5, -1] : [1, 0.75, 0.5, 0.25, 0];
   byId("range-text").textContent = (hasSign ? "± " : "") + short(end) + " µm";
+  byId("range").setAttribute("aria-valuetext", byId("range-text").textContent);
   byId("ramp").classList.toggle("sizes", !hasSign);
   byId("ticks").replaceChildren(...shares.map((share) => {
     const tick = el("li", {}, share === 0 ? "0" : (hasSign && share > 0 ? "+" : "") + short(share * end) + (share === 1 ? " µm" : ""));
