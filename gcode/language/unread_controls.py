@@ -14,9 +14,11 @@ __all__ = ["name_unread_control"]
 
 _COMMENT = re.compile(r"\([^)\n]*\)?|;.*|^[ \t]*\*.*", re.MULTILINE)
 _E_WORD = re.compile(r"E[ \t]*([-+\d.]+)", re.IGNORECASE)
-#: E0 to E48 in a block with X or Y; with a point, it is the feed of a printer's filament
+#: E0 to E48 in a block with X or Y. With a point it is the feed of a printer's filament, beside G70
+#: to G72, a word of LinuxCNC's lathe cycles
 _FADAL = re.compile(
-    r"^(?=.*[XY][ \t]*[-+.\d])(?:[^#\[\n]*?[ \t])?E[ \t]*0*(?:[0-3]?\d|4[0-8])(?![\d.])",
+    r"^(?!.*G7[0-2](?!\d))(?=.*[XY][ \t]*[-+.\d])"
+    r"(?:[^#\[\n]*?[ \t])?E[ \t]*0*(?:[0-3]?\d|4[0-8])(?![\d.])",
     re.IGNORECASE | re.MULTILINE,
 )
 

@@ -13,9 +13,10 @@ from gcode.text.parameters import Parameters
 
 __all__ = ["Values", "evaluate", "whole"]
 
+_UNITS = "lathe cycles are not read; SINUMERIK and HEIDENHAIN say units with it: is it for them?"
 _LATHE, _NO_PLANE = "lathe cycles are not read", "planes of U V W axes do not exist here"
 #: Whole number of a code that does not exist here -> why
-_HINTS = {70: _LATHE, 71: _LATHE, 72: _LATHE, 17: _NO_PLANE, 18: _NO_PLANE, 19: _NO_PLANE}
+_HINTS = {70: _UNITS, 71: _UNITS, 72: _LATHE, 17: _NO_PLANE, 18: _NO_PLANE, 19: _NO_PLANE}
 
 
 @dataclass(slots=True)

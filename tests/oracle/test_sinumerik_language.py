@@ -300,6 +300,16 @@ def test_a_grid_of_holes():
     assert holes == [[30, 20], [40, 20], [50, 20], [50, 35], [40, 35], [30, 35]]
 
 
+# Job Planning, "User variables": a name of DEF must not be an address, so that no such axis exists
+@pytest.mark.parametrize("filling", ["", "G1 X1 F500\n" * 6000])
+def test_a_variable_may_be_called_like_an_axis_that_the_machine_lacks(filling):
+    program = read_program(
+        Source(f"DEF REAL B\nDEF REAL C=4\n{filling}B=5\nG0 X=B Y=C\nC=C+3\nG0 Y=C\nM30\n".encode(),
+               "part.mpf"), dialect="sinumerik", home_mm=(0, 0, 0))  # fmt: skip
+    assert program.moves.end_mm[-2:, :2].tolist() == [[5, 4], [5, 7]]
+    assert not program.moves.rotary_end_deg.any()
+
+
 def test_fields():
     found = places(
         "DEF INT KK\nDEF REAL AA[2,3], BB[3]=SET(4,5,6)\nAA[1,2]=7\nFOR KK=0 TO 2\n"

@@ -172,6 +172,31 @@ def test_a_subprogram_is_called_behind_every_move(call, depth, moves, places):
     assert found.end_mm[-1, 0] == 90.0
 
 
+# The control's own HOLES1, HOLES2, CYCLE801 (4.000, V06.02.09): FDIS, DBH, RAD, DIS1 and DIS2 are
+# taken without their signs; INDA keeps its own.
+@pytest.mark.parametrize(
+    ("pattern", "holes"),
+    [("HOLES1(1,2,90,-10,-5,2)", [[1, 12], [1, 17]]),
+     ("HOLES2(0,0,-10,0,-90,2)", [[10, 0], [0, -10]]),
+     ("CYCLE801(0,0,0,-10,-20,2,2)", [[0, 0], [10, 0], [10, 20], [0, 20]])],
+)  # fmt: skip
+def test_distances_of_patterns_have_no_sign(pattern, holes):
+    moves = read(f"F100\nMCALL CYCLE81(10,0,2,-3)\n{pattern}\nMCALL").moves
+    assert moves.end_mm[moves.at_feed][:, :2] == pytest.approx(np.array(holes))
+
+
+# The control's own CYCLE83 and CYCLE84 keep $P_F and give it back at their end.
+@pytest.mark.parametrize(
+    "cycle",
+    ["CYCLE84(10,0,2,-5,,0,3,,1.5,0,300,400)", "CYCLE840(10,0,2,-5,,0,0,3,0,,1)",
+     "CYCLE85(10,0,2,-5,,0,80,200)", "CYCLE83(10,0,2,-5,,-5,,0,0,0,0.5,0)"],
+)  # fmt: skip
+@pytest.mark.parametrize(("units", "unit_mm"), [("G71", 1.0), ("G70", 1.0), ("G700", 25.4)])
+def test_the_feed_behind_a_cycle_is_the_one_before_it(cycle, units, unit_mm):
+    moves = read(f"{units} S500 M3\nG0 X0 Y0 Z20 F120\n{cycle}\nG1 X10").moves
+    assert moves.feed_mm_per_min[-1] == pytest.approx(120 * unit_mm)
+
+
 def test_a_pattern_with_a_subprogram_that_fails_is_told_by_its_line():
     text = MODAL.format(call="L70", moves="HOLES1(1,2,0,10,10,3)").replace("G91 G1", "G91 G1 Q=5")
     with pytest.raises(ProgramError, match=r"part.mpf:(4|10):"):

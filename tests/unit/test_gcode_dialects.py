@@ -36,6 +36,16 @@ def refusal(text, **options):
         ("%_N_PART_MPF\nG0 X10\n", "sinumerik"),
         ("N10 G2 X10 Y0 CR=5\nM30\n", "sinumerik"),
         ("DEF REAL A\n", "sinumerik"),
+        ('G17 G90\nT="MILL_20" D1\nM6\n', "sinumerik"),
+        ("G17 G90\nR1=10\nG0 X0\n", "sinumerik"),
+        ("G17 G90\nG0 SUPA Z0 D0\n", "sinumerik"),
+        ("G0 X1\nIF R1<2 GOTOF END2\nX5\nEND2: M5\n", "sinumerik"),
+        ("G17 G90\nAROT Z45\n", "sinumerik"),
+        ("G2 X10 Y0 I=AC(5) J=AC(0)\n", "sinumerik"),
+        ("DEF REAL A1,C1\n", "sinumerik"),
+        ('GROUP_BEGIN(0,"A,R1",0,0)\n', "sinumerik"),
+        ("G1 X10. , R2.\n", "fanuc"),
+        ("WHILE[#1 LT 3]DO2\nEND 2\n", "fanuc"),
         ("O100 if [#1 GT 2]\nG0 X1\nO100 endif\nM2\n", "linuxcnc"),
         ("(CR=5) G0 X1\n#<x>=5 G1 X#<x>\nM2\n", "linuxcnc"),
         ("G10 L2 P1 X0\n; Y=3\nM2\n", "linuxcnc"),
@@ -297,12 +307,26 @@ def test_a_program_of_fadals_own_format_is_refused_by_the_name_of_its_control(di
 
 
 @pytest.mark.parametrize(
-    "text", ["G0 X1 Y2 E1.25\nX2 E12", "G1 X1 Y2 E0.5", "X1 E99", "E1 Z5", "X1 E#1", "X1e5"]
+    "text",
+    [
+        "G0 X1 Y2 E1.25\nX2 E12",
+        "G1 X1 Y2 E0.5",
+        "X1 E99",
+        "E1 Z5",
+        "X1 E#1",
+        "X1e5",
+        "G70 Q100 X15 Z3.041 E0 D0.5 P2",
+    ],
 )
 def test_another_e_is_no_mark_of_fadal(text):
     with pytest.raises(ProgramError) as error:
         read_program(Source(f"{text}\nM2\n".encode(), "part.nc"))
     assert "Fadal" not in str(error.value)
+
+
+@pytest.mark.parametrize("code", ["G70", "G71", "G71.1"])
+def test_units_of_other_controls_are_named_where_they_stand_alone(code):
+    assert "SINUMERIK and HEIDENHAIN" in refusal(f"G17 {code} G90\nM2\n")
 
 
 def test_an_m_function_of_klartext_needs_a_number():

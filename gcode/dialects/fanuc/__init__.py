@@ -22,9 +22,10 @@ class Fanuc(Dialect):
     rank = 20
     marks = re.compile(
         r"^[ \t]*(?:N\d+[ \t]*)?(?:IF[ \t]*\[[^\n]*\][ \t]*(?:GOTO|THEN)"
-        r"|WHILE[ \t]*\[[^\n]*\][ \t]*DO|GOTO[ \t]*[\d#\[]|END[ \t]*[123]\b)"
+        r"|WHILE[ \t]*\[[^\n]*\][ \t]*DO|GOTO[ \t]*[\d#\[]|END[ \t]*[123]\b(?![ \t]*:))"
         r"|^[^(;\n]*\bG0*6[56](?![\d.])"
-        r"|^[^(;\n]*\bG(?:154|187)(?!\d)|^[^(;\n]*\bG0*54\.1[ \t]*P|^[^(;\n]*,[ \t]*[RC][ \t]*[\d.]"
+        r"|^[^(;\n]*\bG(?:154|187)(?!\d)|^[^(;\n]*\bG0*54\.1[ \t]*P"
+        r"|^(?:[^(;\nA-Z]|[A-Z](?![A-Z]))*,[ \t]*[RC][ \t]*[\d.]"
         r"|^[^(;\n]*\bG0*5\.1[ \t]*Q|^[^(;\n]*\bM0*97[ \t]*P",
         re.IGNORECASE | re.MULTILINE,
     )

@@ -16,6 +16,7 @@ from gcode.writing.sinumerik_blocks import SinumerikBlocks
 __all__ = ["Sinumerik"]
 
 _START = r"^[ \t]*(?:N?\d+[ \t]+)?"  # block number
+_BARE = r"^[^(;\n]*\b"  # a word outside of comments and of arguments
 
 
 class SinumerikText(BlockText):
@@ -49,10 +50,13 @@ class Sinumerik(Dialect):
     rank = 30
     marks = re.compile(
         r"^[ \t]*(?:%_N_\w+|;\$PATH=)"
-        rf"|{_START}(?:DEF[ \t]+(?:REAL|INT|BOOL|STRING)|PROC[ \t]|EXTERN[ \t]|ENDFOR|ENDWHILE"
-        r"|STOPRE|MCALL\b|SUPA\b|(?:WORKPIECE|CYCLE\d+|POCKET\d|SLOT\d|HOLES\d|LONGHOLE)[ \t]*\("
-        r"|A?TRANS[ \t]|MSG[ \t]*\(\")"
-        r"|^[^(;\n]*\b(?:[XYZFS]|CR|AR|TURN|AP|RP|RNDM?|CH[FR])[ \t]*=[ \t]*[-+.\dA-Z]",
+        rf"|{_START}(?:DEF[ \t]+(?:REAL|INT|BOOL|STRING|AXIS)|PROC[ \t]|EXTERN[ \t]|ENDFOR|ENDWHILE"
+        r"|ENDLOOP|STOPRE|MCALL\b|SUPA\b|TRAORI\b|CIP[ \t]|REPEATB?[ \t]+[A-Z_]{2}"
+        r"|(?:WORKPIECE|GROUP_BEGIN|CYCLE\d+|POCKET\d|SLOT\d|HOLES\d|LONGHOLE|MSG)[ \t]*\("
+        r"|A?(?:TRANS|ROT|MIRROR|SCALE)[ \t])"
+        rf"|{_BARE}(?:[DFS-Z]|[IJK](?=[ \t]*=[ \t]*[AI]C)|R\d+|CR|AR|TURN|AP|RP|RNDM?|CH[FR]|SPOS"
+        r"|ADIS)[ \t]*=[ \t]*[-+.\dA-Z\"(]"
+        rf"|{_BARE}(?:GOTO[FBC]|SUPA|COMPCAD|FFWON|DIAMOF)\b",
         re.IGNORECASE | re.MULTILINE,
     )
     reader = SinumerikReader

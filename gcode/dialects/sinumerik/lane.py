@@ -42,6 +42,7 @@ class SinumerikLane(TranslatedLane):
             and reader.approach.waiting is None
             and reader.frame.is_full_size
             and reader.tools.is_settled
+            and not reader.variables.has_letters
             and reader.poles.plane == reader.controller.plane
             and _M_CODES.isdisjoint(reader.options.control.ignore_m)
         )

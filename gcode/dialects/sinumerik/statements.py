@@ -38,6 +38,8 @@ _ASSIGNED = re.compile(
     r"(R\d+|R\[.*?\]|\$?[A-Z_][A-Z_]\w*(?:\[(?:[^\[\]]|\[[^\[\]]*\])*\])?)\s*=(?!=)\s*(.*)",
     re.IGNORECASE,
 )
+#: letters that may be names of variables, on machines that have no such axis
+_LETTER = re.compile(r"([ABCEOPQUVW])\s*=(?!=)\s*(.*)", re.IGNORECASE)
 _PARAMETER = re.compile(r"\s*R(\d+)\s*=(?!=)", re.IGNORECASE)
 _MODES_OF_CYCLES = ("CYCLE800", "CYCLE832")  #: no brackets: everything back
 _SUBPROGRAM = re.compile(
@@ -192,7 +194,7 @@ class Statements:
 
     def _assignments(self, content: str) -> str:
         """Obey ``R1=5 R2=R1*2``; gives what else the block holds."""
-        found = _ASSIGNED.match(content)
+        found = self._assigned(content)
         if found is None or found[1].upper() in ADDRESSES or NO_MOTION_WORDS.match(content):
             return content
         while found is not None and found[1].upper() not in ADDRESSES:
@@ -204,5 +206,12 @@ class Statements:
                 value, stop = self.reader.variables.read(content, found.start(2))
                 self.reader.variables.assign(found[1].upper(), value)
             content = content[stop:].strip()
-            found = _ASSIGNED.match(content)
+            found = self._assigned(content)
         return content
+
+    def _assigned(self, content: str) -> re.Match[str] | None:
+        """The assignment with which a text begins; one letter is a variable where DEF says so."""
+        letter = _LETTER.match(content)
+        if letter is not None and letter[1].upper() in self.reader.variables.named:
+            return letter
+        return _ASSIGNED.match(content)

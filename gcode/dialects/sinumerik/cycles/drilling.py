@@ -1,6 +1,8 @@
 """CYCLE81 to CYCLE89, CYCLE840 and HOLES1, HOLES2, CYCLE801 as plain moves.
 
-SINUMERIK 840D sl/828D, Programming Manual Cycles, "Drilling" and "Drilling patterns".
+SINUMERIK 840D sl/828D, Programming Manual Cycles, "Drilling" and "Drilling patterns". Distances and
+radii of patterns have no sign, and F is behind a cycle what it was before, as in the control's own
+cycles (4.000, V06.02.09), which PDubovikov/SinumerikLanguage on GitHub shows.
 """
 
 from __future__ import annotations
@@ -53,7 +55,7 @@ def drill(reader: SinumerikReader, name: str, arguments: Arguments) -> None:
     bottom = bottom if not relative else surface - abs(relative)
     if not bottom < surface:
         raise ProgramError(f"{name}: depth {bottom:g} is not below {surface:g}")
-    modal = reader.controller.motion
+    modal, feed = reader.controller.motion, reader.controller.feed
     if cycle in (84, 840, 86):  # the spindle turns back or stops
         reader.keep("tapping" if cycle != 86 else "boring with a stopped spindle")
     reader.go("g0", z=clear)
@@ -71,6 +73,8 @@ def drill(reader: SinumerikReader, name: str, arguments: Arguments) -> None:
     if cycle == 86:
         _off_the_wall(reader, arguments, bottom=bottom, out=out)
     reader.go("g0", z=out)
+    if feed and feed != reader.controller.feed:
+        reader.execute(f"f{number(reader.units.said(feed))}")
     reader.controller.motion = modal
 
 
@@ -286,13 +290,14 @@ def pattern_points(name: str, arguments: Arguments) -> list[tuple[float, float]]
     if not 0 < count <= _MOST_PECKS:
         raise ProgramError(f"{name} with {values[5]:g} holes")
     if name == "HOLES1":
-        x, y, angle, first, apart = values[:5]
+        x, y, angle = values[:3]
+        first, apart = abs(values[3]), abs(values[4])
         along = math.cos(math.radians(angle)), math.sin(math.radians(angle))
         return [
             (x + (first + k * apart) * along[0], y + (first + k * apart) * along[1])
             for k in range(count)
         ]
-    x, y, radius, angle, step = values[:5]
+    x, y, radius, angle, step = *values[:2], abs(values[2]), *values[3:5]
     if not step or int(values[6]) // 1000 % 10 == 1:  # VARI: a whole circle, whatever INDA says
         step = 360.0 / count
     angles = [math.radians(angle + k * step) for k in range(count)]
@@ -301,7 +306,8 @@ def pattern_points(name: str, arguments: Arguments) -> list[tuple[float, float]]
 
 def _grid(values: list[float]) -> list[tuple[float, float]]:
     """CYCLE801(SPCA, SPCO, STA, DIS1, DIS2, NUM1, NUM2): columns and lines, there and back."""
-    x, y, angle, along, across = values[:5]
+    x, y, angle = values[:3]
+    along, across = abs(values[3]), abs(values[4])
     columns, lines = int(values[5]), int(values[6])
     if not 0 < columns * lines <= _MOST_PECKS:
         raise ProgramError(f"CYCLE801 with {values[5]:g} times {values[6]:g} places")

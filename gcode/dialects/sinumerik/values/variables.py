@@ -51,6 +51,11 @@ class Variables:
         self.shared = {re.sub(r"\s", "", name).upper(): value for name, value in given.items()}
         self.system, self.unknown, self.note = system, unknown, note
 
+    @property
+    def has_letters(self) -> bool:
+        """Whether a variable is called as an axis might be."""
+        return any(len(name) == 1 for name in self.named)
+
     def declare(self, name: str, value: str) -> None:
         """DEF: a variable, or a field with one or two indices; zero where nothing is said."""
         sizes = re.fullmatch(r"(\w+)\s*\[([^\]]*)\]", name)
