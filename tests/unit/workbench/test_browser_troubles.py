@@ -326,7 +326,7 @@ def test_trouble_goes_with_its_cause(tab, folder):
     tab.locator(".notice.error").wait_for()
     replace(program, good)
     ready(tab)
-    assert tab.locator(".notice.error").count() == 0
+    until(lambda: tab.locator(".notice.error").count() == 0)
 
 
 def test_without_webgl_there_are_figures_and_words(tab, context):
