@@ -21,7 +21,10 @@ from vmach.machine.tables.interpolation import Extrapolation, Interpolation, Met
 __all__ = ["is_rotary_error", "read_rotary_axes"]
 
 _RAD_PER_POSITION = {"deg": math.pi / 180.0, "rad": 1.0}
-_AT_CENTRE = "its displacements hold at centre_mm", "no measuring point, no set_up, no slope_removed"
+_AT_CENTRE = (
+    "its displacements hold at centre_mm",
+    "no measuring point, no set_up, no slope_removed",
+)
 _OF_THE_AXIS = "its positions are those of the axis", "no position_zero_mm, no reverse"
 _THROUGH_POINTS = "its curve has no order and no period", "linear, pchip, cubic, smoothing"
 #: keys of a table of a linear axis alone: why, and what is accepted
