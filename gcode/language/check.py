@@ -83,6 +83,9 @@ def _check_types(kind: type[Dialect]) -> None:
             types = wanted if isinstance(wanted, tuple) else (wanted,)
             accepted = " or ".join(t.__name__.replace("NoneType", "None") for t in types)
             raise _error(kind, name, f"{name} = {value!r}", accepted=accepted)
+        if isinstance(value, re.Pattern) and not isinstance(value.pattern, str):
+            raise _error(kind, name, f"{name} = {value!r}", accepted="a pattern of text",
+                         hint=f"leave the b in front of {value.pattern!r} out")  # fmt: skip
     for name, base in _CLASSES.items():
         value = getattr(kind, name)
         if not (isinstance(value, type) and issubclass(value, base)):

@@ -197,12 +197,15 @@ class Controller:
         wanted = name.strip().upper()
         found = [n for n, tool in self.tools.items() if tool.name.upper() == wanted]
         if len(found) != 1:
-            known = ", ".join(f'"{tool.name}"' for tool in self.tools.values() if tool.name)
+            names = dict.fromkeys(tool.name for tool in self.tools.values() if tool.name)
+            known = ", ".join(f'"{one}"' for one in names)
             what = "no tool has" if not found else f"tools {found} have"
             raise UnknownToolError(
                 f'{what} the name "{name}"',
                 accepted=known or "numbers of tools",
-                hint=f'give the tool of the job name = "{name}"',
+                hint="give each of them another name"
+                if found
+                else f'give the tool of the job name = "{name}"',
             )
         return found[0]
 

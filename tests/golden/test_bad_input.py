@@ -48,7 +48,7 @@ CASES = {
         lambda f: replace(
             f / "machine.toml", "[axes.X]", '[errors.EXX]\ntable = "no.csv"\n[axes.X]'
         ),
-        ["no.csv", "not found"],
+        ["machine.toml:12", "no.csv", "no such file"],
     ),
     "unknown key": (
         lambda f: replace(f / "job.toml", "diameter_mm", "diametre_mm"),

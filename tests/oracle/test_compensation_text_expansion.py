@@ -117,6 +117,13 @@ def test_only_what_needs_it_is_written_out():
     assert sorted(found.reasons) == [5, 6, 7, 8]  # G64 stands behind line 7
 
 
+def test_a_sign_before_a_sign_is_written_out():
+    """LinuxCNC negates the number behind the first sign; a writer finds no number there."""
+    found = text_of("G21 G90 G17\nG0 X0 Y0 Z5\nG1 Z--3 F100 (a - - b)\nX+-4\nX4 (a--b)\nM2\n")
+    lines = found.source.data.decode().splitlines()
+    assert lines[2:5] == ["G1 Z3. F100. (a - - b)", "X-4.", "X4 (a--b)"]
+
+
 def test_loops_and_subprograms_run_in_order_with_numbers():
     found = text_of(
         "%\nO10 SUB\nG1 X#1 (in)\nO10 ENDSUB\nG21 G90 F100 (start)\n#5=2\n"

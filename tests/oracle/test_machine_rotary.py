@@ -281,6 +281,9 @@ def test_five_axis_machine_file(tmp_path):
         ("EX0C", "EX0B", "location error 'EX0B'"),
         ("[errors.EZC]", "[errors.EZB]", "there is no axis B in the chain"),
         ('"EZC.csv"', '"EZC.csv"\nmeasured_at_mm = [0, 0, 0]', "belongs to a rotary axis"),
+        ('"EZC.csv"', '"EZC.csv"\nslope_removed = true', "belongs to a rotary axis"),
+        ('"EZC.csv"', '"EZC.csv"\norder = 2', "no order and no period"),
+        ('"EZC.csv"', '"EZD.csv"', "table = 'EZD.csv': no such file"),
         ("A' C' w", "C' C' w", "A, B and C at most once"),
     ],
 )

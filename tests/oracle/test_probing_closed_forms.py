@@ -215,3 +215,10 @@ def test_a_touch_outside_the_travel_is_refused(tmp_path):
     path = write_job(tmp_path, more="[probing]\nzero_at_mm = [500, 0, 0]\n")
     with pytest.raises(InputError, match=r"\[probing\]: to touch, X goes to 300.000 mm"):
         deviations(path)
+
+
+def test_points_that_nothing_cuts_leave_nothing_to_touch_for(tmp_path):
+    job = read_job(write_job(tmp_path, {"EXX": (lambda q: 0.1 * q, None)}, more="[probing]\n"))
+    far, normal = np.array([[300.0, 0.0, 0.0]]), np.array([[1.0, 0.0, 0.0]])
+    found = predict(prepare(job), far, normal, variant=Variant.ABBE)
+    assert not found.is_cut.any()

@@ -108,6 +108,20 @@ def test_normals_without_length_are_refused():
         vmach.surface_points([[0, 0, 0]], [0, 0, 0])
 
 
+@pytest.mark.parametrize(
+    ("points", "normals", "shapes"),
+    [
+        ([[1, 2]], [0, 0, 1], r"\(1, 2\) with normals of shape \(3,\)"),
+        ([], [0, 0, 1], r"\(1, 0\)"),
+        ([[1, 2, 3]], [[0, 0, 1]] * 2, r"\(2, 3\); accepted: \(P, 3\)"),
+        ([[1, 2, 3]], 1.0, r"\(\); accepted"),
+    ],
+)
+def test_points_of_a_wrong_shape_are_told_with_it(points, normals, shapes):
+    with pytest.raises(ValueError, match=shapes):
+        vmach.surface_points(points, normals)
+
+
 def test_the_page_names_every_public_name():
     page = (Path(__file__).parents[2] / "docs" / "api.md").read_text()
     results = {"Variant"}  # the page speaks of the models by their names

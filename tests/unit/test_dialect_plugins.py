@@ -28,6 +28,11 @@ class Own(Dialect):
 BROKEN = {
     "misspelt": (HEAD + "    sinonyms = ('o',)\n", 15, "did you mean 'synonyms'"),
     "no source": (HEAD.replace('    source = "its manual"\n', ""), 10, "has no source"),
+    "bytes": (
+        HEAD + "    import re as _re\n    marks = _re.compile(b'a')\n",
+        16,
+        "pattern of text",
+    ),
     "wrong type": (HEAD + "    reads = 'linuxcnc'\n", 15, "accepted: tuple"),
     "no class": (HEAD + "    text = 'plain'\n", 15, "subclass of BlockText"),
     "taken": (HEAD.replace('"own"', '"fanuc"'), 11, "is taken: FANUC"),

@@ -585,6 +585,15 @@ def test_what_was_typed_wrong_is_said(words, said, tmp_path, monkeypatch):
     assert said in str(run.exception)
 
 
+@pytest.mark.parametrize("value", ["-inf", "", "0x"])
+def test_a_table_of_a_control_out_of_form_is_told_in_plain_words(value, tmp_path):
+    sample = next(s for s in SAMPLES if s.file == "joints.ini")
+    path = sample.write(tmp_path, f"[JOINT_0]\nCOMP_FILE = x.comp\nCOMP_FILE_TYPE = {value}\n")
+    run = command(path, "--yes")
+    assert isinstance(run.exception, InputError)
+    assert f"'{value}' stands where a number was expected" in str(run.exception)
+
+
 def test_lines_to_paste_are_printed_where_no_file_is_named(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "EYX.csv").write_text(LASER)

@@ -179,6 +179,7 @@ def test_a_plate_shows_its_scale_and_squareness(tmp_path):
         ("x,y,mx,my\n-30,-20,-30,-20\n10,-20,12,-20\n", r"holes\.csv:3: mx is 12 where x is 10"),
         ("x,y,mx,my\n1,1,1,1\n2,2,2,2\n", r"holes\.csv:2: 0 of 2 holes are in the program"),
         ("x,y,mx,my,u_um\n-30,-20,-30,-20,0\n", r"holes\.csv:2: u_um is 0; accepted"),
+        ("x,y,mx,my,u_um\n-30,-20,-30,-20,1e-300\n", r"holes\.csv:2: u_um is 1e-300; accepted"),
         (
             "x,y,mx,my\n" + 3 * "-30,-20,-30.001,-20\n",
             r"holes\.csv: 2 readings of different places",

@@ -34,6 +34,17 @@ def test_a_correction_curve_is_refused_with_its_line(tmp_path, more, line, messa
     assert any(f"job.toml:{line}: " in text and message in text for text in told)
 
 
+def test_one_target_written_in_both_forms_is_refused(tmp_path):
+    """Both took effect, one on top of the other."""
+    both = '[effects.scale]\ntarget = "Z"\nscale_ppm = -12\n[effects.scale.%s]\nscale_ppm = 3\n'
+    job = read_job(write_job(tmp_path, more=both % "Z"))
+    with pytest.raises(InputError, match="'scale' has the target 'Z' twice") as caught:
+        read_effects(job.effects, file=job.path, job=job)
+    assert caught.value.line == FIRST + 2
+    job = read_job(write_job(tmp_path, more=both % "X"))
+    assert len(read_effects(job.effects, file=job.path, job=job)) == 2
+
+
 def test_one_number_is_no_list(tmp_path):
     job = read_job(write_job(tmp_path, more="[effects.backlash.X]\nreversal_um = [1, 2]\n"))
     with pytest.raises(InputError, match=r"reversal_um = \[1\.0, 2\.0\]; accepted: one number"):

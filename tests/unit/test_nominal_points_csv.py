@@ -55,6 +55,7 @@ def test_measured_points_in_metres_are_said(tmp_path):
         (HEAD + ROW.replace("20", "nan"), 2, "y is 'nan'"),
         (HEAD + ROW.replace("0,0,1", "0,0,1.01"), 2, "length 1.01"),
         (HEAD + ROW.replace("0.8", "0"), 2, "u_um is 0"),
+        (HEAD + ROW.replace("0.8", "1e-300"), 2, "u_um is 1e-300; accepted: 1e-06 um or more"),
         (HEAD + ROW.replace(",0.8", ""), 2, "11 values"),
         (HEAD.replace(",", ";") + ROW, 1, "separate the columns by commas"),
     ],

@@ -83,6 +83,14 @@ def test_bad_answers_are_refused(folder, arguments, word):
     assert not (folder / "job.toml").exists()
 
 
+def test_files_are_found_whatever_the_case_of_their_endings(folder):
+    (folder / "part.nc").rename(folder / "PART.NC")
+    (folder / "part.step").rename(folder / "Part.Step")
+    assert init(folder, "--yes").exit_code == 0
+    job = tomllib.loads((folder / "job.toml").read_text())
+    assert (job["program"], job["nominal"]) == ("PART.NC", "Part.Step")
+
+
 def test_several_programs_have_to_be_named(folder):
     shutil.copy(folder / "part.nc", folder / "other.nc")
     assert "--program FILE" in str(init(folder, "--yes").exception)

@@ -67,7 +67,15 @@ def test_no_number(tmp_path, value, accepted):
     ("text", "message"),
     [
         ("[tools.abc]", "file.toml:2: 'tools.abc' = 'abc'; accepted: a whole number"),
-        ('either.one = "3"', "file.toml:2: 'either.one' = '3'; accepted: a number"),
+        ('either.one = "3"', "file.toml:2: 'either.one' = '3'; accepted: a number, or a table"),
+        (
+            '[either.one]\nlength_mm = "x"',
+            "file.toml:3: 'either.one.length_mm' = 'x'; accepted: a number",
+        ),
+        (
+            "[either.one]\nnames = [3]",
+            "file.toml:3: 'either.one.names.0' = 3; accepted: text in quotes",
+        ),
     ],
 )
 def test_keys_are_those_of_the_file(tmp_path, text, message):

@@ -80,7 +80,7 @@ def surface_points(
     ----------
     point_mm : (P, 3) array
         Workpiece coordinates.
-    normal : (P, 3) array
+    normal : (P, 3) or (3,) array
         Outward, away from the material, of any length above zero.
     feature : str or (P,) str
         Which face each point lies on.
@@ -98,6 +98,15 @@ def surface_points(
     ['1', '2']
     """
     points, normals = np.atleast_2d(np.asarray(point_mm, float)), np.asarray(normal, float)
+    if (
+        points.ndim != 2
+        or points.shape[1] != 3
+        or normals.shape not in ((3,), (1, 3), points.shape)
+    ):
+        raise ValueError(
+            f"points of shape {points.shape} with normals of shape {normals.shape}; accepted: "
+            "(P, 3) for points, (P, 3) or (3,) for normals"
+        )
     normals = np.broadcast_to(normals, points.shape)
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     if not (np.isfinite(points).all() and np.isfinite(length).all() and length.all()):

@@ -14,8 +14,9 @@ from vmach.errors import InputError
 __all__ = ["init"]
 
 _DEFAULT_TRAVEL = "760 460 510"
-_PROGRAMS = ("*.nc", "*.ngc", "*.h", "*.mpf", "*.cnc", "*.tap", "*.eia")
-_PARTS = ("*.step", "*.stp", "*.STEP", "*.STP", "*.stl", "*.STL")
+#: endings of files that are looked for, in any case
+_PROGRAMS = (".nc", ".ngc", ".h", ".mpf", ".cnc", ".tap", ".eia")
+_PARTS = (".step", ".stp", ".stl")
 
 
 def init(
@@ -72,18 +73,18 @@ def _three(text: str) -> tuple[float, float, float]:
     return values
 
 
-def _found(folder: Path, patterns: tuple[str, ...]) -> list[Path]:
-    return sorted({path for pattern in patterns for path in folder.glob(pattern)})
+def _found(folder: Path, endings: tuple[str, ...]) -> list[Path]:
+    return sorted(path for path in folder.glob("*") if path.suffix.lower() in endings)
 
 
-def _only(folder: Path, patterns: tuple[str, ...], what: str) -> Path:
-    found = _found(folder, patterns)
+def _only(folder: Path, endings: tuple[str, ...], what: str) -> Path:
+    found = _found(folder, endings)
     if len(found) == 1:
         return found[0]
     names = ", ".join(path.name for path in found) or "none is there"
     raise InputError(f"which {what}? In {folder}: {names}", accepted=f"--{what} FILE")
 
 
-def _only_or_none(folder: Path, patterns: tuple[str, ...]) -> Path | None:
-    found = _found(folder, patterns)
+def _only_or_none(folder: Path, endings: tuple[str, ...]) -> Path | None:
+    found = _found(folder, endings)
     return found[0] if len(found) == 1 else None

@@ -70,9 +70,15 @@ def read_effects(
             raise _Entry(file, name).error(f"effects.{name} = {table!r}", accepted="a table")
         nested = {key: value for key, value in table.items() if isinstance(value, Mapping)}
         plain = {key: value for key, value in table.items() if key not in nested}
-        if plain or not nested:
-            found.append(set_up_effect(name, str(plain.pop("target", "")), plain, job=job))
+        plain_target = str(plain.pop("target", ""))
+        if plain or plain_target or not nested:
+            found.append(set_up_effect(name, plain_target, plain, job=job))
         for target, parameters in nested.items():
+            if plain_target == target:
+                raise _Entry(file, name, target).error(
+                    f"effect '{name}' has the target '{target}' twice",
+                    accepted=f"one of [effects.{name}] and [effects.{name}.{target}]",
+                )
             found.append(set_up_effect(name, target, parameters, job=job))
     _check_fitted(job, found)
     return _correlated(found, job)

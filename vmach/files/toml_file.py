@@ -243,10 +243,31 @@ def _complaints(
 
     Each looks through the text for its line, so that no more are made than are asked for.
     """
-    for complaint in sorted(error.errors(), key=lambda c: c["type"] != "extra_forbidden"):
-        keys = _keys_of(complaint, data)
+    found = [(_keys_of(complaint, data), complaint) for complaint in error.errors()]
+    told = sorted(_of_each_value(found), key=lambda one: one[1]["type"] != "extra_forbidden")
+    for keys, complaint, accepted in told:
         line = line_of_key(text, [*within, *keys])
-        yield _complaint(complaint, keys, schema, file=file, line=line)
+        yield _complaint(complaint, keys, schema, accepted=accepted, file=file, line=line)
+
+
+def _of_each_value(
+    found: Sequence[tuple[list[str], Mapping[str, Any]]],
+) -> Iterator[tuple[list[str], Mapping[str, Any], str]]:
+    """One complaint a value, with all that is accepted there, where a value may be of two kinds.
+
+    Of a table or list that is of the right kind, what is wrong inside alone counts.
+    """
+    accepted: dict[tuple[str, ...], list[str]] = {}
+    for keys, complaint in found:
+        accepted.setdefault(tuple(keys), []).append(_accepted(complaint))
+    seen = set()
+    for keys, complaint in found:
+        here = tuple(keys)
+        inside = any(len(o) > len(here) and o[: len(here)] == here for o in accepted)
+        if inside or here in seen:
+            continue
+        seen.add(here)
+        yield keys, complaint, ", or ".join(dict.fromkeys(accepted[here]))
 
 
 def _keys_of(complaint: Mapping[str, Any], data: Mapping[str, Any]) -> list[str]:
@@ -268,6 +289,7 @@ def _complaint(
     keys: list[str],
     schema: type[FileSection],
     *,
+    accepted: str,
     file: Path,
     line: int | None,
 ) -> InputError:
@@ -287,7 +309,7 @@ def _complaint(
     if first["type"] == "missing":
         return InputError(f"key '{dotted}' is missing", **where, accepted=", ".join(known))
     what = f"'{dotted}' = {_value(first['input'])}"
-    return InputError(what, **where, accepted=_accepted(first))
+    return InputError(what, **where, accepted=accepted)
 
 
 def _value(found: Any) -> str:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
 from gcode import INCREMENT_SYSTEMS, WORK_OFFSETS, ProgramError, dialect_name, dialect_names
 from vmach.files.toml_file import (
@@ -46,6 +47,15 @@ MeasurementTable = Annotated[dict[str, Any], FILE_KEY]
 #: largest number of a tool, and of a row of the offset memory
 _LARGEST_TOOL = 99_999
 _Number = Annotated[int, Field(ge=1, le=_LARGEST_TOOL)]
+
+
+def _in_quotes(offsets: Any) -> Any:
+    """Refuse G59.1 without quotes, which TOML reads as the key 1 of a table G59."""
+    for name, value in offsets.items() if isinstance(offsets, Mapping) else ():
+        for key in value if isinstance(value, Mapping) else ():
+            if f"{name}.{key}" in WORK_OFFSETS:
+                raise ValueError(f'accepted: quotes around the point: "{name}.{key}" = [x, y, z]')
+    return offsets
 
 
 def _known_offsets(offsets: dict[str, Point]) -> dict[str, Point]:
@@ -227,7 +237,9 @@ class JobSchema(FileSection):
     measured: FileName | None = None
     workpiece_zero: str | None = None
     tool_offsets: Literal["program", "touched off"] = "program"
-    work_offsets_mm: Annotated[dict[str, Point], AfterValidator(_known_offsets)]
+    work_offsets_mm: Annotated[
+        dict[str, Point], BeforeValidator(_in_quotes), AfterValidator(_known_offsets)
+    ]
     stock: StockEntry | None = None
     tools: Annotated[dict[_Number, ToolEntry], numbers_once("tool")]
     offsets: Annotated[dict[_Number, OffsetRow], numbers_once("offset")] = {}

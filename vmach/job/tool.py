@@ -56,6 +56,12 @@ class JobTool:
     name: str = ""
 
 
+def _accepted(shape: str) -> str:
+    if shape == "profile":
+        return "diameter_mm, length_mm, profile_mm"
+    return "profile_mm of a tool with shape = 'profile'"
+
+
 def read_tool(number: int, tool: ToolEntry, where: dict[str, Any]) -> JobTool:
     """A tool of a job file.
 
@@ -65,7 +71,16 @@ def read_tool(number: int, tool: ToolEntry, where: dict[str, Any]) -> JobTool:
         Dimensions that make no cutter, or a holder without an outline.
     """
     given = tool.model_dump(exclude_none=True, include=_CUTTER_DIMENSIONS)
-    if tool.shape == "profile":
+    is_profile = tool.shape == "profile"
+    if is_profile and tool.profile_mm is None:
+        raise InputError(f"tool {number}: profile tool lacks profile_mm", **where,
+                         accepted="pairs of radius and height from the bottom up")  # fmt: skip
+    idle = [*({*given} - {"diameter_mm", "length_mm"})] if is_profile else ["profile_mm"]
+    for key in sorted(idle):
+        if getattr(tool, key) is not None:
+            raise InputError(f"tool {number}: {key} does nothing for a {tool.shape} tool", **where,
+                             accepted=_accepted(tool.shape))  # fmt: skip
+    if is_profile:
         given = {"points_mm": tool.profile_mm or []}
     try:
         cutter = make_tool(tool.shape, **given)

@@ -23,6 +23,9 @@ UNIT_TOLERANCE = 1e-3
 
 #: beyond this, mm or um, a number in a file is a slip
 _LARGEST = 1e6
+#: smallest standard uncertainty, um: below an atom's thousandth part a reading is a slip, and
+#: would outweigh all others beyond the digits of a double
+FINEST_U_UM = 1e-6
 #: of a clock, s: those that count from 1970 are near 2e9
 _LATEST = 1e11
 
@@ -165,9 +168,9 @@ def _read_uncertainty(table: _Table) -> np.ndarray | None:
         return None
     u_um = table.vectors(("u_um",))[:, 0]
     table.check(
-        u_um > 0.0,
+        u_um >= FINEST_U_UM,
         lambda row: f"the standard uncertainty u_um is {u_um[row]:g}",
-        accepted="a number above 0, in um",
+        accepted=f"{FINEST_U_UM:g} um or more",
     )
     return mm_from_um(u_um)
 

@@ -66,14 +66,16 @@ class TouchedZero:
 
 
 def touched_zero(job: Job, states: PathStates) -> TouchedZero | None:
-    """The touches that the zero of some states was set by; None where the job says nothing of it.
+    """The touches that the zero of some states was set by.
+
+    None where the job says nothing of it, and for no states at all.
 
     Raises
     ------
     InputError
         A touch outside the travel.
     """
-    if job.probing is None:
+    if job.probing is None or len(states.move) == 0:
         return None
     moves = states.moves
     used = np.column_stack([moves.work_offset[states.move], states.tool])

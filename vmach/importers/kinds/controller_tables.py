@@ -90,13 +90,23 @@ def _errors_of(one: TableFormat, folder: Path, options: dict[str, str]) -> HeldE
         raise
     except (ValueError, KeyError, IndexError, TypeError, ZeroDivisionError, OverflowError) as error:
         raise InputError(
-            f"no table of {one.name}: {type(error).__name__} {error}",
+            f"no table of {one.name}: {_out_of_place(error)}",
             file=folder / one.sign,
             line=1,
             accepted=f"files as 'vmach tables --format {one.name}' writes them",
         ) from None
     _check(held, folder / one.sign, one)
     return held
+
+
+def _out_of_place(error: Exception) -> str:
+    """What a reader stumbled over, in words for people."""
+    quoted = re.search(r"'([^']*)'$", str(error))
+    if isinstance(error, KeyError):
+        return f"{error} is missing"
+    if isinstance(error, ValueError) and quoted:
+        return f"'{quoted[1]}' stands where a number was expected"
+    return "a line is missing, or is not of the form that was expected"
 
 
 def _check(held: HeldErrors, file: Path, one: TableFormat) -> None:

@@ -20,7 +20,7 @@ from vmach.measurements import Contacts, Measurement
 from vmach.measurements.columns import Columns
 from vmach.measurements.instrument import Instrument, ModelOfTest
 from vmach.measurements.repeats import check_degrees, mean_of_repeats
-from vmach.nominal.points import WHEN, when_measured
+from vmach.nominal.points import FINEST_U_UM, WHEN, when_measured
 from vmach.path.hole_making import CONTACTS, CircularFeature, HoleContacts, hole_contacts
 from vmach.path.toolpath import PathStates
 
@@ -108,12 +108,12 @@ class Holes(Instrument):
         """Standard uncertainty of every hole: of its row, else of the section."""
         if "u_um" in table.numbers:
             own = table.numbers["u_um"]
-            if (own <= 0.0).any():
+            if (own < FINEST_U_UM).any():
                 raise InputError(
-                    f"u_um is {own[own <= 0.0][0]:g}",
+                    f"u_um is {own[own < FINEST_U_UM][0]:g}",
                     file=table.path,
-                    line=table.line_of(own <= 0.0),
-                    accepted="a standard uncertainty above 0 um",
+                    line=table.line_of(own < FINEST_U_UM),
+                    accepted=f"a standard uncertainty of {FINEST_U_UM:g} um or more",
                 )
             return mm_from_um(own)
         if self.u_um is None:

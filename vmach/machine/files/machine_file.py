@@ -39,7 +39,7 @@ def read_machine(path: str | Path) -> Machine:
     data, text = read_toml_and_text(path, MachineSchema, what="machine file")
     source = _Source(path, data, text)
     chain = source.chain()
-    source.check_travel()
+    source.check_axes(chain)
     volumetric = VolumetricFile()
     files = [entry.table for entry in data.errors.values() if entry.table]
     if data.volumetric is not None:
@@ -97,13 +97,39 @@ class _Source:
         line = line_of_key(self.text, keys)
         return InputError(what, file=self.path, line=line, accepted=accepted, hint=hint)
 
+    def existing(self, keys: list[str], name: str) -> None:
+        """Complain of a file that is not there where the machine file names it."""
+        if not (self.path.parent / name).exists():
+            raise self.fail(keys, f"{keys[-1]} = '{name}': no such file")
+
     def chain(self) -> Chain:
         try:
             return Chain.parse(self.data.chain)
         except InputError as error:
             raise self.fail(["chain"], error.what, error.accepted) from None
 
-    def check_travel(self) -> None:
+    def check_axes(self, chain: Chain) -> None:
+        """Every axis of the chain alone has its own keys; linear ones have a travel."""
+        for axis, entry in self.data.axes.items():
+            linear = axis in LINEAR_AXES
+            if not linear and axis not in chain.rotary_axes:
+                raise self.fail(
+                    ["axes", axis],
+                    f"[axes.{axis}]: there is no axis {axis} in the chain",
+                    ", ".join((*LINEAR_AXES, *chain.rotary_axes)),
+                    "name it in chain, or take the table out",
+                )
+            known = ("travel_mm",) if linear else ("travel_deg", "centre_mm")
+            for key in entry.model_dump(exclude_none=True):
+                if key not in known:
+                    raise self.fail(
+                        ["axes", axis, key],
+                        f"{key} of the {'linear' if linear else 'rotary'} axis {axis}",
+                        ", ".join(known),
+                    )
+        self._check_travel()
+
+    def _check_travel(self) -> None:
         for axis in LINEAR_AXES:
             if axis not in self.data.axes or self.data.axes[axis].travel_mm is None:
                 raise self.fail(
@@ -120,6 +146,7 @@ class _Source:
     def volumetric(self) -> VolumetricFile:
         """The volumetric file, without the errors that have a table of their own."""
         stated = self.data.volumetric
+        self.existing(["volumetric", "file"], stated.file)
         found = read_volumetric_file(self.path.parent / stated.file, stated.format)
         for name in stated.without:
             if name not in found.tables:
@@ -169,6 +196,7 @@ class _Source:
                 raise self.fail(
                     ["errors", name, "unit"], f"unit '{unit}' of {name}", ", ".join(units)
                 )
+            self.existing(["errors", name, "table"], entry.table)
             return read_error_table(self.path.parent / entry.table, units, unit)
         if name not in volumetric.tables:
             raise self.fail(["errors", name], f"{name} has no table", 'table = "errors/NAME.csv"')
@@ -211,19 +239,31 @@ class _Source:
         common = self.data.tables
         own = entry.interpolation is not None
         method = entry.interpolation or common.interpolation or Method.LINEAR
+        own_keys = [key for key in ("order", "period_mm") if getattr(entry, key) is not None]
+        if "period_mm" in own_keys and method != Method.FOURIER:
+            raise self.fail(
+                ["errors", name, "period_mm"],
+                f"{name}: period_mm with interpolation '{method}'",
+                "period_mm with 'fourier', with no other",
+            )
         if method == CROSS_VALIDATION:
+            if "order" in own_keys:
+                raise self._order_out_of_place(name, method, entry.order)
             scores = cross_validate(table.position, 0.5 * (table.forward + table.backward))
             return choose(scores), scores
         order = entry.order or (None if own else common.order)
         period = entry.period_mm or (None if own else common.period_mm)
         if (order is not None) != (method in (Method.LEGENDRE, Method.FOURIER)):
-            raise self.fail(
-                ["errors", name, "interpolation"],
-                f"{name}: interpolation '{method}' "
-                + ("without an order" if order is None else f"with order {order}"),
-                "order = 1, 2 ... with 'legendre' and 'fourier', with no other",
-            )
+            raise self._order_out_of_place(name, method, order)
         return Interpolation(Method(method), order, period), ()
+
+    def _order_out_of_place(self, name: str, method: str, order: int | None) -> InputError:
+        return self.fail(
+            ["errors", name, "interpolation"],
+            f"{name}: interpolation '{method}' "
+            + ("without an order" if order is None else f"with order {order}"),
+            "order = 1, 2 ... with 'legendre' and 'fourier', with no other",
+        )
 
     def _measured_at(self, name: str, entry: TableEntry, chain: Chain) -> np.ndarray | None:
         """Measuring point in the frame of the body that the axis carries."""

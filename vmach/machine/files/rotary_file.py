@@ -21,6 +21,20 @@ from vmach.machine.tables.interpolation import Extrapolation, Interpolation, Met
 __all__ = ["is_rotary_error", "read_rotary_axes"]
 
 _RAD_PER_POSITION = {"deg": math.pi / 180.0, "rad": 1.0}
+_AT_CENTRE = (
+    "its displacements hold at centre_mm",
+    "no measuring point, no set_up, no slope_removed",
+)
+_OF_THE_AXIS = "its positions are those of the axis", "no position_zero_mm, no reverse"
+_THROUGH_POINTS = "its curve has no order and no period", "linear, pchip, cubic, smoothing"
+#: keys of a table of a linear axis alone: why, and what is accepted
+_OUT_OF_PLACE = {
+    **dict.fromkeys(
+        ("measured_at_mm", "nose_at_mm", "stick_out_mm", "set_up", "slope_removed"), _AT_CENTRE
+    ),
+    **dict.fromkeys(("position_zero_mm", "reverse", "reverse_deviations"), _OF_THE_AXIS),
+    **dict.fromkeys(("order", "period_mm"), _THROUGH_POINTS),
+}
 Fail = Callable[..., InputError]  #: keys, what, accepted -> the complaint with file and line
 
 
@@ -103,17 +117,10 @@ def _component(
     keys = ["errors", name]
     if entry.table is None:
         raise fail(keys, f"{name} has no table", 'table = "errors/NAME.csv"')
-    given = entry.measured_at_mm or entry.nose_at_mm or entry.stick_out_mm or entry.set_up
-    if given is not None:
-        raise fail(
-            keys, f"{name} belongs to a rotary axis: its displacements hold at centre_mm",
-            "no measuring point, no set_up",
-        )  # fmt: skip
-    if (entry.position_zero_mm, entry.reverse, entry.reverse_deviations) != (None, None, None):
-        raise fail(
-            keys, f"{name} belongs to a rotary axis: its positions are those of the axis",
-            "no position_zero_mm, no reverse",
-        )  # fmt: skip
+    for key in entry.model_dump(exclude_none=True):
+        if key in _OUT_OF_PLACE:
+            why, accepted = _OUT_OF_PLACE[key]
+            raise fail([*keys, key], f"{name} belongs to a rotary axis: {why}", accepted)
     method = entry.interpolation or data.tables.interpolation or Method.LINEAR
     if method == CROSS_VALIDATION or (method in (Method.LEGENDRE, Method.FOURIER)):
         raise fail(keys, f"{name}: interpolation '{method}'", "linear, pchip, cubic, smoothing")
@@ -122,6 +129,8 @@ def _component(
     units = RAD_PER if angular else MM_PER
     if unit not in units:
         raise fail([*keys, "unit"], f"unit '{unit}' of {name}", ", ".join(units))
+    if not (folder / entry.table).exists():
+        raise fail([*keys, "table"], f"table = '{entry.table}': no such file")
     table = read_error_table(folder / entry.table, units, unit, positions=_RAD_PER_POSITION)
     return RotaryError(
         name,

@@ -20,6 +20,8 @@ _FLOW = "loop, branch or subprogram: blocks in the order in which they run"
 _NUMBERS = "parameters and expressions: their values"
 _LABEL = re.compile(r"^(\s*/?\s*)N\s*(\d+(?:\.\d*)?)\s*", re.IGNORECASE)
 _COMMENT = re.compile(r"\([^)\n]*\)|;.*")
+#: a parameter, brackets, or a sign before a sign, as LinuxCNC reads it: Z--8 is Z8
+_EXPRESSION = re.compile(r"[#\[]|[+-]\s*[+-]")
 _PROGRAM_NUMBER = re.compile(r"\s*(?:O|:)\s*\d+\s*", re.IGNORECASE)
 _MODAL_MEMORY = {70, 71, 72, 73}
 
@@ -70,7 +72,7 @@ def _has_expression(program: Program, step: Step) -> bool:
     if not program.language.is_rs274 or not step.blocks:
         return False
     code = _code(program, step.line)
-    return ("#" in code or "[" in code) and bool(step.words or step.g_codes or step.m_codes)
+    return _EXPRESSION.search(code) is not None and bool(step.words or step.g_codes or step.m_codes)
 
 
 def _write_numbers(program: Program, steps: list[Step], lines: LineBuilder) -> None:
