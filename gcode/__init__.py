@@ -13,7 +13,7 @@ from gcode.state.controller import WORK_OFFSETS
 from gcode.state.tools import OffsetEntry, ToolEntry, read_tool_table
 from gcode.state.trace import Modes, PlainLines, Step
 from gcode.text.items import block_items
-from gcode.text.source import Source, Word
+from gcode.text.source import Source, Word, readable
 from gcode.writing.block_text import BlockText, Labels
 from gcode.writing.line_edit import AS_PROGRAMMED, SAME, UNKNOWN, BlockMotion, LineEdit
 from gcode.writing.plain_blocks import PlainArc, PlainBlocks
@@ -57,4 +57,5 @@ __all__ = [
            "dialect_of",
            "read_program",
            "read_tool_table",
+           "readable",
 ]  # fmt: skip

@@ -21,7 +21,6 @@ min_mm = [-30, -30, -20]
 max_mm = [30, 30, 0]
 [tools.1]
 length_mm = 100
-flute_length_mm = 30
 """
 SLOPES_DEG = (10.0, 30.0, 45.0, 60.0)
 
@@ -29,15 +28,19 @@ SLOPES_DEG = (10.0, 30.0, 45.0, 60.0)
 def tool(shape: str, *, wider_mm: float = 0.0) -> str:
     """Keys of a tool of 12 mm diameter, wider by so much in radius at every height."""
     r = wider_mm
-    return {
-        "flat": f"shape = 'flat'\ndiameter_mm = {12 + 2 * r}\n",
-        "ball": f"shape = 'ball'\ndiameter_mm = {12 + 2 * r}\n",
-        "bull": f"shape = 'bull'\ncorner_radius_mm = 3\ndiameter_mm = {12 + 2 * r}\n",
-        "chamfer": f"shape = 'chamfer'\ndiameter_mm = {12 + 2 * r}\n"
-        f"tip_diameter_mm = {2 + 2 * r}\n",
-        "profile": f"shape = 'profile'\ndiameter_mm = {12 + 2 * r}\n"
-        f"profile_mm = [[{3 + r}, 0], [{6 + r}, 12], [{6 + r}, 30]]\n",
-    }[shape]
+    flutes = "" if shape == "profile" else "flute_length_mm = 30\n"
+    return (
+        flutes
+        + {
+            "flat": f"shape = 'flat'\ndiameter_mm = {12 + 2 * r}\n",
+            "ball": f"shape = 'ball'\ndiameter_mm = {12 + 2 * r}\n",
+            "bull": f"shape = 'bull'\ncorner_radius_mm = 3\ndiameter_mm = {12 + 2 * r}\n",
+            "chamfer": f"shape = 'chamfer'\ndiameter_mm = {12 + 2 * r}\n"
+            f"tip_diameter_mm = {2 + 2 * r}\n",
+            "profile": f"shape = 'profile'\ndiameter_mm = {12 + 2 * r}\n"
+            f"profile_mm = [[{3 + r}, 0], [{6 + r}, 12], [{6 + r}, 30]]\n",
+        }[shape]
+    )
 
 
 def groove(shape: str) -> list[tuple[float, float, float]]:

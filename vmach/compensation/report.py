@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gcode.text.source import Source
+from gcode import Source
 from vmach.compensation.aim.surface import SurfaceCheck
 from vmach.compensation.compensate import Compensation
 from vmach.compensation.figures import remarks, rows

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -25,22 +25,20 @@ Key = tuple[str, str]
 _CONTRADICTS = 0.05
 
 
-class _Acting(Protocol):
-    @property
-    def together(self) -> int:
-        """Equal numbers share their changes; 0 shares them with none."""
+_Acting = TypeVar("_Acting")
 
 
-_A = TypeVar("_A", bound=_Acting)
+def acting_together(effects: Sequence[_Acting]) -> Iterator[list[_Acting]]:
+    """Effects that share the changes of their parameters, each group once; most are alone.
 
-
-def acting_together(effects: Sequence[_A]) -> Iterator[list[_A]]:
-    """Effects that share the changes of their parameters, each group once; most are alone."""
-    for k, effect in enumerate(effects):
-        if not effect.together:
+    So is what acts beside the effects of a job, as a draw of the machine's tables does.
+    """
+    numbers = [e.together if isinstance(e, EffectInstance) else 0 for e in effects]
+    for k, (effect, number) in enumerate(zip(effects, numbers, strict=True)):
+        if not number:
             yield [effect]
-        elif all(before.together != effect.together for before in effects[:k]):
-            yield [one for one in effects[k:] if one.together == effect.together]
+        elif number not in numbers[:k]:
+            yield [e for e, other in zip(effects, numbers, strict=True) if other == number]
 
 
 def patterns_left_open(effects: Sequence[EffectInstance], states: PathStates) -> list[np.ndarray]:

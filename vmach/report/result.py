@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from gcode.text.source import readable
+from gcode import readable
 from vmach.base.note import Note
 from vmach.features.circular_test import CircularTest
 from vmach.features.result import FeatureResult

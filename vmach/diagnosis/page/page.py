@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from markupsafe import Markup
 
-from gcode.text.source import Source
+from gcode import Source
 from vmach.base.colour_ramp import COLOUR_STOPS, UNKNOWN_COLOUR
 from vmach.base.units import um_from_mm, with_micro_sign
 from vmach.diagnosis.diagnose import Diagnosis

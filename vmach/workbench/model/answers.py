@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from gcode.text.source import readable
+from gcode import readable
 from vmach.base.units import um_from_mm
 from vmach.errors import InputError
 from vmach.job import Job, job_name

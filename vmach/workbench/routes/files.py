@@ -12,7 +12,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
-from gcode.text.source import Source, readable
+from gcode import Source, readable
 from vmach.errors import InputError, VmachError
 from vmach.files.atomic import atomic_file
 from vmach.files.job_name import free_job_name
