@@ -20,8 +20,8 @@ __all__ = ["Key", "acting_together", "patterns_left_open", "with_correlations"]
 #: name and target of an effect
 Key = tuple[str, str]
 
-#: an eigenvalue of correlation coefficients below minus this contradicts them; three decimals of
-#: some ten changes make no more
+#: an eigenvalue of correlation coefficients below minus this contradicts them: what rounding to
+#: three decimals makes of a hundred changes at most, 100 times 0.0005
 _CONTRADICTS = 0.05
 
 

@@ -158,7 +158,7 @@ class JointFit:
 
     def directions(self, k: int) -> list[dict[str, float]]:
         """Independent changes of the parameters of term k, one standard uncertainty each."""
-        squared, axes = np.linalg.eigh(self.covariance[k])
+        squared, axes = self._axes(k)
         moved = (axes * np.sqrt(np.maximum(squared, 0.0))).T @ self.slope(k)
         return [dict(zip(self.parameters(k), row, strict=True)) for row in moved.tolist()]
 
@@ -167,9 +167,13 @@ class JointFit:
 
         The amounts of the directions, in their standard uncertainties, are independent.
         """
-        squared, axes = np.linalg.eigh(self.covariance[k])
+        squared, axes = self._axes(k)
         is_open = squared > _KNOWN * squared.max()
         return axes.T * np.where(is_open, squared, np.inf)[:, None] ** -0.5
+
+    def _axes(self, k: int) -> tuple[np.ndarray, np.ndarray]:
+        """Variances of the directions of term k, and these in columns."""
+        return np.linalg.eigh(self.covariance[k])
 
     def slope(self, k: int) -> np.ndarray:
         """Change of the parameters of term k with coefficients and logarithms, (K + I, N)."""

@@ -22,8 +22,8 @@ from vmach.job import free_job_name, read_job
 
 __all__ = ["add_effects"]
 
-#: correlation coefficients of two changes up to this make one per cent of their uncertainty
-_NOTABLE = 0.02
+#: of correlation coefficients that are written; what they round to may not contradict itself
+_DECIMALS = 3
 
 
 def add_effects(
@@ -113,8 +113,9 @@ def _correlated_toml(effect: NamedEffect) -> str:
     text = ""
     own = _word(effect.label)
     for label, coefficients in effect.correlations.items():
-        if np.abs(coefficients).max(initial=0.0) > _NOTABLE:
-            rows = "".join(f"    {_value(row)},\n" for row in np.round(coefficients, 3).tolist())
+        told = np.round(coefficients, _DECIMALS)
+        if told.any():
+            rows = "".join(f"    {_value(row)},\n" for row in told.tolist())
             text += f'\n[[correlated]]\neffects = ["{_word(label)}", "{own}"]\n'
             text += f"coefficients = [\n{rows}]\n"
     return text
