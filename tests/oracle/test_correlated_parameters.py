@@ -159,6 +159,15 @@ def test_bent_laws_have_it_too(tmp_path):
     assert found.drawn.u[floor] == pytest.approx(wide, rel=0.03)
 
 
+def test_the_first_effect_keeps_its_changes(tmp_path):
+    """Cholesky's root of [[1, r], [r, 1]]: 1, 0; r, sqrt(1 - r²)."""
+    job = write_job(tmp_path, more=BOTH + OF_SCALE + OF_PART + CORRELATED)
+    first, second = read_effects(read_job(job).effects, file=job, job=read_job(job))
+    assert [one.get("scale_ppm", 0.0) for one in first.one_sigma] == pytest.approx([4.0, 0.0])
+    wanted = [3.0 * R, 3.0 * np.sqrt(1.0 - R**2)]
+    assert [one["expansion_ppm"] for one in second.one_sigma] == pytest.approx(wanted)
+
+
 def test_a_value_that_is_set_has_no_correlation_any_more(tmp_path):
     job = write_job(tmp_path, more=BOTH + OF_SCALE + OF_PART + CORRELATED)
     made, _ = set_values(job, ["scale:X.scale_ppm=10"])

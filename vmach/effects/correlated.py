@@ -123,13 +123,17 @@ def _matrix(
 
 
 def _root(matrix: np.ndarray) -> np.ndarray:
-    """A lower triangle whose rows have unit length, and whose square is the matrix, (M, M)."""
+    """A lower triangle with rows of unit length, whose square is the matrix, (M, M).
+
+    Its diagonal is positive: changes of the first effect are its own.
+    """
     squared, axes = np.linalg.eigh(matrix)
     if squared[0] < -_CONTRADICTS:
         raise ValueError("coefficients that quantities can have: some of these contradict others")
     root = axes * np.sqrt(np.maximum(squared, 0.0))
     root /= np.linalg.norm(root, axis=1, keepdims=True)
-    return np.linalg.qr(root.T, mode="r").T
+    lower = np.linalg.qr(root.T, mode="r").T
+    return lower * np.where(np.diag(lower) < 0.0, -1.0, 1.0)
 
 
 def _change(changes: Sequence[Mapping[str, Any]], amounts: np.ndarray) -> dict[str, Any]:
