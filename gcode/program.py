@@ -235,7 +235,7 @@ def read_program(
         return controller
 
     try:
-        spoken, controller = _run_as_recognised(run, source.data[source.mark :], dialect)
+        spoken, controller = _run_as_recognised(run, source, dialect)
     except ProgramError as error:
         raise _placed(error, source) from None
     if controller.trace is not None:
@@ -251,14 +251,15 @@ def read_program(
 
 
 def _run_as_recognised(
-    run: Callable[[type[Dialect]], Controller], data: bytes, name: str
+    run: Callable[[type[Dialect]], Controller], source: Source, name: str
 ) -> tuple[Recognition, Controller]:
     """Run in the dialect of the text's head; where that is refused, in that of the whole text."""
-    spoken = choose_dialect(name, data)
+    data = source.data[source.mark :]
+    spoken = choose_dialect(name, data, path=source.path)
     try:
         return spoken, run(spoken.dialect)
     except ProgramError as error:
-        other = choose_dialect(name, data, whole=True)
+        other = choose_dialect(name, data, path=source.path, whole=True)
         if other.dialect is spoken.dialect:
             if spoken.dialect.is_rs274:
                 name_unread_control(data.decode("latin-1"))
