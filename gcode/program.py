@@ -32,6 +32,8 @@ from gcode.text.source import Source
 
 #: Smaller programs are read before the compiled reader would be loaded, bytes.
 _FAST_FROM = 50_000
+#: what notes on the reading are about, in the place of a word
+OF_READING = frozenset(("increment", "units", "%", "two motions", "not confirmed"))
 #: begins as programs of FANUC and its relatives do
 _NUMBERED = re.compile(rb"\s*%?\s*[O:]\d", re.IGNORECASE)
 _PERCENT_LINE = re.compile(rb"\s*%[ \t\r]*\n")
@@ -42,21 +44,26 @@ __all__ = ["Note", "Program", "read_program"]
 
 @dataclass(frozen=True)
 class Note:
-    """A word that the reader understands and that does not change where the tool goes.
+    """A word that does not change where the tool goes, or a reading that may be another's.
 
     Attributes
     ----------
     line : int
         1-based.
     word : str
-        As ``M8``.
+        As ``M8``; one of `OF_READING` where the note says how the program was read.
     meaning : str
-        What it would do.
+        What the word would do, or how it was read.
     """
 
     line: int
     word: str
     meaning: str
+
+    @property
+    def is_of_reading(self) -> bool:
+        """Whether it says how the program was read."""
+        return self.word in OF_READING
 
 
 @dataclass(frozen=True)

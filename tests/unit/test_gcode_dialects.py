@@ -81,6 +81,17 @@ def test_units_of_a_main_program_of_sinumerik(tmp_path):
     assert read_program(path).moves.end_mm[:, 0].tolist() == [25.4, 1.0]
 
 
+@pytest.mark.parametrize("other", [0, 1])
+def test_a_move_beside_a_cycle_is_told(other):
+    """Most programs mean the cycle; the maker's manual forbids it, and controls may cancel it."""
+    text = f"O1\nG21\nG0 X0. Y0. Z9.\nG{other} G81 X1. Z-5. R2. F99.\nX3.\nG80\nM30\n"
+    program = read_program(Source(text.encode(), "part.nc"), dialect="fanuc")
+    told = [note for note in program.notes if note.word == "two motions"]
+    assert [(note.line, note.is_of_reading) for note in told] == [(4, True)]
+    assert told[0].meaning.startswith(f"G{other} beside G81 is read as the cycle")
+    assert program.moves.end_mm[:, 2].min() == -5.0
+
+
 FANUC = """%
 O1000 (MAIN)
 G21 G90 G54
