@@ -61,7 +61,7 @@ def check(
         if collisions and not counts[Weight.MEND]:
             _say_collisions(hits)
         total = ", ".join(f"{counts[weight]} {_TITLES[weight]}" for weight in Weight)
-        print(f"{total}: " + ("mend these first" if counts[Weight.MEND] else "nothing to mend"))
+        print(f"{total}: " + ("mend these first" if counts[Weight.MEND] else "the job can be simulated"))
     if counts[Weight.MEND]:
         raise typer.Exit(1)
 
