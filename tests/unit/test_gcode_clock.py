@@ -42,6 +42,13 @@ def test_feed_modes_agree():
         assert other.duration_s == pytest.approx(per_minute.duration_s)
 
 
+@pytest.mark.parametrize("arc", ["G2 X10 Y0", "G3 X10 Y0", "G2 X0 Y-10", "G3 X0 Y-10"])
+@pytest.mark.parametrize("turns", [1, 2, 4])
+def test_a_helix_in_inverse_time_takes_the_time_that_it_says(arc, turns):
+    m = moves(f"G0 X10\nG93 {arc} Z-5 I-10 P{turns} F2\nM2\n")
+    assert m.duration_s[1] == pytest.approx(30.0)
+
+
 def test_rotary_axes_alone_move_in_degrees():
     m = moves("G1 A90 F180\nG1 X10 A0 F100\nM2\n")
     assert m.duration_s == pytest.approx([30.0, 6.0])
