@@ -278,6 +278,14 @@ def test_a_cycle_returns_to_the_initial_level_after_power_on():
         [12, 0, 20], [12, 0, 2], [12, 0, -3], [12, 0, 2]]  # fmt: skip
 
 
+def test_another_depth_or_another_r_by_itself_makes_a_hole_where_the_tool_stands():
+    text = "O1\nG0 X0. Y0. Z20.\nG81 X5. Z-3. R2. F100.\nZ-4.\nR1.\nF50.\nG80\nM30\n"
+    assert places(text) == [
+        [5, 0, 20], [5, 0, 2], [5, 0, -3], [5, 0, 20],
+        [5, 0, 2], [5, 0, -4], [5, 0, 20],
+        [5, 0, 1], [5, 0, -4], [5, 0, 20]]  # fmt: skip
+
+
 def test_k_repeats_in_g91():
     text = "O1\nG0 X0. Y0. Z5.\nG91 G99 G81 X10. R-3. Z-4. K3 F100.\nG80\nM30\n"
     bottoms = [p for p in places(text) if p[2] == -2.0]

@@ -72,6 +72,22 @@ def test_tangent_moves_run_through_and_exact_stop_stops():
     assert stopped.exact_stop.all() and not through.exact_stop.any()
 
 
+@pytest.mark.parametrize(("turn", "way"), [("G3", 1.0), ("G2", -1.0)])
+def test_a_helix_runs_through_where_a_line_goes_on_as_it_ends(turn, way):
+    """A turn of 20 mm radius that rises 10 mm ends along (0, 2 pi 20, 10)."""
+    ahead = np.array([0.0, way * 40.0 * np.pi, 10.0])
+    after = np.array([20.0, 0.0, 10.0]) + ahead / 2.0
+    before = np.array([20.0, 0.0, 0.0]) - ahead / 2.0
+    start, end = (f"X20 Y{y:.6f} Z{z:.6f}" for _, y, z in (before, after))
+    text = f"G61\nG0 {start}\nG1 X20 Y0 Z0 F6000\n{turn} X20 Y0 Z10 I-20\nG1 {end}\nM2\n"
+    m = moves(text, acceleration_mm_per_s2=1000.0)
+    length = 2.0 * np.linalg.norm(ahead)
+    assert m.duration_s[1:].sum() == pytest.approx(length / 100.0 + 0.1, rel=1e-6)
+    leaning = text.replace(end, f"X20 Y{after[1]:.6f} Z{20.0 - after[2]:.6f}")  # goes down again
+    slower = moves(leaning, acceleration_mm_per_s2=1000.0)
+    assert slower.duration_s[1:].sum() == pytest.approx(length / 100.0 + 0.2, rel=1e-6)
+
+
 def test_exact_path_stops_at_corners_only():
     m = moves("G61\nF6000\nG1 X50\nX100\nY100\nM2\n", acceleration_mm_per_s2=1000.0)
     assert m.duration_s.sum() == pytest.approx(1.1 + 1.1)
