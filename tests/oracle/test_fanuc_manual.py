@@ -163,6 +163,25 @@ def test_unit_of_the_block_is_that_of_its_numbers():
     assert last(text, control=ControlSettings(increment="IS-B"))[0] == pytest.approx(25.4)
 
 
+# B-64484EN 2.3: the least input increment of IS-B is 0.0001 inch and 0.001 degree
+@pytest.mark.parametrize(
+    ("text", "x_inch", "y_inch"),
+    [
+        ("G0 X10000 Y20000", 1.0, 2.0),
+        ("G0 X0 Y0\nG3 X20000 Y0 R10000 F100.", 2.0, 0.0),
+        ("G68 X0 Y0 R90000\nG0 X10000 Y0", 0.0, 1.0),
+        ("G16\nG0 X10000 Y90000", 0.0, 1.0),
+        ("G16\nG52 X10000 Y20000\nG15\nG0 X0 Y0", 1.0, 2.0),
+    ],
+)
+def test_lengths_in_inches_and_angles_have_increments_of_their_own(text, x_inch, y_inch):
+    control = ControlSettings(increment="IS-B")
+    found = read(f"O1\nG20 G17 G90\n{text}\nM30\n", control=control).moves
+    assert found.end_mm[-1, :2] == pytest.approx([25.4 * x_inch, 25.4 * y_inch], abs=1e-9)
+    if found.sweep_rad[-1]:
+        assert found.sweep_rad[-1] == pytest.approx(np.pi)  # about the middle, one inch away
+
+
 # "Command value range of the dwell time (command by X)": IS-B 0.001 s, IS-C 0.0001 s, with any
 # unit of length (Siemens, SINUMERIK ISO Milling, 04.07, table 3-7; FANUC B-64484EN)
 @pytest.mark.parametrize(("increment", "seconds"), [("IS-B", 2.5), ("IS-C", 0.25)])
@@ -370,6 +389,12 @@ def test_corner_r_and_chamfer():
     assert places(rounded) == [[15, 0, 0], [20, 5, 0], [20, 20, 0]]
     chamfered = "O1\nG1 X0. Y0. F100.\nX20. ,C5.\nY20.\nM30\n"
     assert places(chamfered) == [[15, 0, 0], [20, 5, 0], [20, 20, 0]]
+
+
+@pytest.mark.parametrize("corner", [",C5.", ",R5."])
+def test_the_feed_of_a_block_with_a_corner_holds_from_there_on(corner):
+    moves = read(f"O1\nG1 X10. F600.\nX30. {corner} F1200.\nY20.\nM30\n").moves
+    assert moves.feed_mm_per_min.tolist() == [600.0, 1200.0, 1200.0, 1200.0]
 
 
 def test_further_work_offsets():
