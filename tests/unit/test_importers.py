@@ -418,6 +418,41 @@ def test_qif_in_inches_and_dmis(tmp_path):
                                                      "8.012"]  # fmt: skip
 
 
+def test_dmis_in_inches(tmp_path):
+    """Places and diameters are lengths, i j k are none."""
+    text = {sample.kind: sample for sample in SAMPLES}["dmis"].text
+    text = text.replace("UNITS/MM", "UNITS/INCH")
+    dmis = imported(tmp_path, "part.dmo", text)
+    point = [float(v) for v in rows(dmis.files["part_points.csv"])[1][2:]]
+    assert point == pytest.approx([0, 0, 0, 0, 0, 1, 0.0254, 0.0508, -0.31242])
+    hole = [float(v) for v in rows(dmis.files["part_holes.csv"])[1][1:]]
+    assert hole == pytest.approx([254, 508, 254.2794, 507.873, 203.2, 203.5048])
+
+
+def test_a_sensor_that_the_tool_carries_reads_the_reverse(tmp_path):
+    """The spindle grows: its end goes along -Z, and comes nearer to whatever stands below."""
+    text = "Time (min),dX (um),dZ (um)\n0,0,0\n10,2,-5\n"
+    said = {"at": "-200 -150 -150", "tool_length": "150", "rpm": "6000"}
+    for sensor, sign in (("workpiece", 1.0), ("tool", -1.0)):
+        one = imported(tmp_path, "d.csv", text, sensor=sensor, **said)
+        found = [[float(v) for v in row] for row in rows(one.files["d_drift.csv"])[1:]]
+        assert found[1] == pytest.approx([600.0, 6000.0, 2.0 * sign, 0.0, -5.0 * sign])
+
+
+def test_a_circle_takes_its_time_across_zero_degrees(tmp_path):
+    """A radius of 150 mm at 1000 mm/min; a deviation inwards may be written with plus."""
+    angle = np.arange(200.0, 561.0, 20.0) % 360.0
+    text = "Angle (deg),Deviation (um)\n" + "\n".join(f"{a:g},3" for a in angle)
+    answers = {"centre": "0 0 0", "radius": "150", "tool_length": "100", "feed": "1000"}
+    for outward, sign in (("yes", 1.0), ("no", -1.0)):
+        one = imported(tmp_path, "c.csv", text, outward=outward, **answers)
+        _, *found = rows(one.files["c_ballbar.csv"])
+        time = [float(row[3]) for row in found]
+        assert np.diff(time) == pytest.approx(np.full(18, np.pi * 300.0 / 18.0 * 0.06), abs=1e-4)
+        assert {float(row[4]) for row in found} == {3.0 * sign}
+        assert {row[0] for row in found} == {"CCW1"}
+
+
 def test_a_file_of_the_user_is_edited_once_and_kept(tmp_path):
     machine = write_job(tmp_path).with_name("machine.toml")
     before = machine.read_text()
