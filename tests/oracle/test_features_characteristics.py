@@ -49,6 +49,12 @@ CASES = {
          {"left": 0.01, "bore_1": bore_shift(0.02, 0)}, [20.03]),
     "distance of bores": ("bore 1", "distance 60 ±0.1 to bore 2",
                           {"bore_1": bore_shift(-0.02, 0.01)}, [60.02]),
+    # the middle of the sides moves by half the difference of theirs
+    "distance of a bore from the middle of a width":
+        ("bore 1", "distance 30 ±0.1 to length", {"left": 0.01, "right": 0.05}, [30.02]),
+    "distance of the middle of a width from a bore":
+        ("length", "distance 30 ±0.1 to bore 2",
+         {"left": 0.01, "right": 0.05, "bore_2": bore_shift(0.03, 0, "bore 2")}, [30.01]),
     "flatness, bow": ("top", "flatness 0.1", {"top": lambda p: 4e-6 * (p[:, 0] - 50) ** 2}, [0.01]),
     "flatness, twist": ("top", "flatness 0.1",
                         {"top": lambda p: (p[:, 0] - 50) * (p[:, 1] - 30) / 150_000}, [0.02]),
