@@ -287,6 +287,15 @@ def test_a_least_squares_size_in_place_of_two_point_sizes_says_so():
     assert asked.label == ""
 
 
+def test_the_axis_of_half_a_bore_leans_between_its_ends():
+    """Sections of half a wall have no centres: the ends of its axis, 26 mm apart, stand for it."""
+    cut = np.ones(len(NOMINAL), bool)
+    cut[ROWS["bore 1"]] = NOMINAL[ROWS["bore 1"], 0] > 20.0
+    points = part(bore_1=lambda p: FACES["bore 1"][1][:, 1] * 1e-3 * p[:, 2])
+    half = Points(points.nominal_mm, points.normal, points.deviation_mm, cut)
+    assert values(half, "bore 1", "perpendicularity Ø0.1 A") == pytest.approx([0.026], abs=MM)
+
+
 def test_a_contact_datum_of_half_a_bore_is_named():
     """E is bore 1; what has no points on the other side has no largest cylinder."""
     cut = np.ones(len(NOMINAL), bool)
