@@ -374,7 +374,7 @@ def test_a_scan_with_decimal_commas(separator, tmp_path):
 
 def test_feet_on_exact_surfaces():
     """On a STEP part: sampled points moved along their normals come back."""
-    part = read_nominal("samples/freecad_pocket/part.step")
+    part = read_nominal(Path(__file__).parents[2] / "samples/freecad_pocket/part.step")
     known = part.sample(7.0, edge_margin_mm=1.0)
     random = np.random.default_rng(4)
     size = random.uniform(-0.1, 0.1, len(known))
