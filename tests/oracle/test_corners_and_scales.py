@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from gcode import ProgramError, Source, ToolEntry, read_program
+from gcode.geometry.corners import Piece, broken_corner
 from gcode.moves.moves import MoveKind
 
 TOOLS = {1: ToolEntry(100.0, 10.0)}
@@ -69,6 +70,52 @@ def heading(run, index, where):
         out = (place - run.centre_mm[index])[:2]
         along = np.array([-out[1], out[0]]) * np.sign(run.sweep_rad[index] * run.axis[index, 2])
     return along / np.linalg.norm(along)
+
+
+def around(centre, radius, degrees):
+    angle = math.radians(degrees)
+    return centre[0] + radius * math.cos(angle), centre[1] + radius * math.sin(angle)
+
+
+def left_of(piece, place):
+    """Unit vector to the left of the way of an arc."""
+    out = np.subtract(place, piece.centre) / math.dist(place, piece.centre)
+    return -out * piece.sense
+
+
+@pytest.mark.parametrize("senses", [(1, 1), (1, -1), (-1, 1), (-1, -1)])
+@pytest.mark.parametrize("meeting_deg", [50.0, 75.0, 100.0, 120.0])
+def test_a_rounding_touches_both_arcs(senses, meeting_deg):
+    """Its centre is 2 mm beside both arcs, on one side of the way, and not beyond their ends."""
+    corner = (7.0, -3.0)
+    centres = around(corner, 20.0, 10.0), around(corner, 15.0, 10.0 + meeting_deg)
+    first = Piece(
+        around(centres[0], 20.0, 190.0 - 150.0 * senses[0]), corner, centres[0], senses[0]
+    )
+    start_deg = 190.0 + meeting_deg
+    end = around(centres[1], 15.0, start_deg + 150.0 * senses[1])
+    second = Piece(corner, end, centres[1], senses[1])
+    found = broken_corner(first, second, 2.0, chamfer=False)
+    assert math.dist(found.begin, centres[0]) == pytest.approx(20.0)
+    assert math.dist(found.end, centres[1]) == pytest.approx(15.0)
+    beside = 2.0 * found.sense
+    middle = np.add(found.begin, beside * left_of(first, found.begin))
+    assert middle == pytest.approx(np.add(found.end, beside * left_of(second, found.end)))
+    for piece, place, way in ((first, found.begin, -1.0), (second, found.end, 1.0)):
+        out, at = np.subtract(corner, piece.centre), np.subtract(place, piece.centre)
+        turned = math.degrees(math.atan2(out[0] * at[1] - out[1] * at[0], out @ at))
+        assert 0.0 < way * piece.sense * turned < 90.0  # before the corner, behind it
+
+
+def test_a_whole_circle_is_rounded_where_it_ends():
+    """A circle about (0, 10) from the origin, and a line that leaves it straight down."""
+    circle, line = Piece((0.0, 0.0), (0.0, 0.0), (0.0, 10.0), 1), Piece((0.0, 0.0), (0.0, -9.0))
+    found = broken_corner(circle, line, 2.0, chamfer=False)
+    # the centre is 12 mm from (0, 10), 2 mm from the line
+    height = 10.0 - math.sqrt(12.0**2 - 2.0**2)
+    assert found.sense == -1
+    assert found.end == pytest.approx((0.0, height))
+    assert found.begin == pytest.approx((-2.0 * 10.0 / 12.0, 10.0 + (height - 10.0) * 10.0 / 12.0))
 
 
 @pytest.mark.parametrize("dialect", ROUNDED)

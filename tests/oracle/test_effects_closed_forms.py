@@ -230,6 +230,61 @@ def test_radial_depth_is_the_allowance_of_the_roughing_pass(tmp_path):
     np.testing.assert_allclose(left, 4e-3 * force * (20 / 10) ** 4, rtol=5e-3)
 
 
+@pytest.mark.parametrize(("way", "climbs"), [("G3", 1.0), ("G2", -1.0)])
+def test_a_slender_tool_bends_most_at_its_tip_and_more_when_it_mills_down(tmp_path, way, climbs):
+    """A bore finished left about is milled down, right about up, by a tool that turns clockwise."""
+    job_path = write_job(tmp_path)
+    job_path.write_text(job_path.read_text().replace("length_mm = 100", "length_mm = 80"))
+    (tmp_path / "part.nc").write_text(POCKET.replace("G3", way))
+    job = read_job(job_path)
+    moves = prepare(job).program.moves
+    finish = int(np.flatnonzero(moves.sweep_rad)[-1])
+    parameter, height = np.array([0.1, 0.4, 0.6, 0.9]), np.array([0.0, 1.5, 3.0, 6.0])
+    angle = climbs * 2 * np.pi * parameter
+    normal = -np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    states = PathStates(
+        moves,
+        np.array([np.nan, 80.0]),
+        np.full(4, finish),
+        parameter,
+        np.column_stack([-5 * normal[:, :2], height]),
+        normal,
+    )
+    numbers = {"feed_exponent": 0.8, "width_exponent": 0.9, "allowance_mm": 0.3, "slot_um": 99.0}
+    bent = {"tool_um": 4.0, "machine_um": 1.5, "taper_um": 3.0, "climb_um": 0.7}
+    moved = catalogue()["tool_deflection"].displacement(
+        Circumstances(states, job), "", **bent, **numbers
+    )
+    # 6 mm deep, 0.5 mm wide, 0.05 mm per tooth; 80 mm long and 10 mm thick
+    force = 0.6 * 0.5**0.9 * 0.5**0.8
+    slender = 0.8**3 * 2.0**4
+    tool_um = 4.0 + 3.0 * (0.5 - height / 6.0) + 0.7 * climbs
+    left = np.einsum("ij,ij->i", moved, normal)
+    np.testing.assert_allclose(left, 1e-3 * (1.5 + tool_um * slender) * force, rtol=5e-3)
+
+
+def test_a_slot_from_the_full_is_pushed_aside_as_a_whole(tmp_path):
+    """To the left of the way, where material is milled up, by as much on both walls."""
+    job_path = write_job(tmp_path)
+    start = "G21 G90 G94 G17\nT1 M6\nS6000 M3\nG54 G43 H1\n"
+    (tmp_path / "part.nc").write_text(start + "G0 X0 Y0 Z5\nG1 Z-6 F300\nG1 X40 F1200\nM30\n")
+    job = read_job(job_path)
+    moves = prepare(job).program.moves
+    along = int(np.flatnonzero(moves.at_feed)[-1])
+    walls = np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])  # on the right and on the left
+    contact = np.array([[0.0, -5.0, 3.0], [0.0, 5.0, 3.0]])
+    states = PathStates(
+        moves, np.array([np.nan, 100.0]), np.full(2, along), np.full(2, 0.5), contact, walls
+    )
+    moved = catalogue()["tool_deflection"].displacement(
+        Circumstances(states, job), "", tool_um=0.0, machine_um=0.0, taper_um=0.0, climb_um=0.0,
+        slot_um=2.0, feed_exponent=1.0, width_exponent=0.9, allowance_mm=0.3,
+    )  # fmt: skip
+    # 6 mm deep, 0.1 mm per tooth, 100 mm long and 10 mm thick
+    np.testing.assert_allclose(moved[:, 1], 2e-3 * 0.6 * 2.0**4)
+    assert not moved[:, [0, 2]].any()
+
+
 PAST_A_WALL = """\
 G21 G90 G94 G17
 T1 M6

@@ -163,6 +163,25 @@ def test_unit_of_the_block_is_that_of_its_numbers():
     assert last(text, control=ControlSettings(increment="IS-B"))[0] == pytest.approx(25.4)
 
 
+# B-64484EN 2.3: the least input increment of IS-B is 0.0001 inch and 0.001 degree
+@pytest.mark.parametrize(
+    ("text", "x_inch", "y_inch"),
+    [
+        ("G0 X10000 Y20000", 1.0, 2.0),
+        ("G0 X0 Y0\nG3 X20000 Y0 R10000 F100.", 2.0, 0.0),
+        ("G68 X0 Y0 R90000\nG0 X10000 Y0", 0.0, 1.0),
+        ("G16\nG0 X10000 Y90000", 0.0, 1.0),
+        ("G16\nG52 X10000 Y20000\nG15\nG0 X0 Y0", 1.0, 2.0),
+    ],
+)
+def test_lengths_in_inches_and_angles_have_increments_of_their_own(text, x_inch, y_inch):
+    control = ControlSettings(increment="IS-B")
+    found = read(f"O1\nG20 G17 G90\n{text}\nM30\n", control=control).moves
+    assert found.end_mm[-1, :2] == pytest.approx([25.4 * x_inch, 25.4 * y_inch], abs=1e-9)
+    if found.sweep_rad[-1]:
+        assert found.sweep_rad[-1] == pytest.approx(np.pi)  # about the middle, one inch away
+
+
 # "Command value range of the dwell time (command by X)": IS-B 0.001 s, IS-C 0.0001 s, with any
 # unit of length (Siemens, SINUMERIK ISO Milling, 04.07, table 3-7; FANUC B-64484EN)
 @pytest.mark.parametrize(("increment", "seconds"), [("IS-B", 2.5), ("IS-C", 0.25)])
@@ -278,6 +297,14 @@ def test_a_cycle_returns_to_the_initial_level_after_power_on():
         [12, 0, 20], [12, 0, 2], [12, 0, -3], [12, 0, 2]]  # fmt: skip
 
 
+def test_another_depth_or_another_r_by_itself_makes_a_hole_where_the_tool_stands():
+    text = "O1\nG0 X0. Y0. Z20.\nG81 X5. Z-3. R2. F100.\nZ-4.\nR1.\nF50.\nG80\nM30\n"
+    assert places(text) == [
+        [5, 0, 20], [5, 0, 2], [5, 0, -3], [5, 0, 20],
+        [5, 0, 2], [5, 0, -4], [5, 0, 20],
+        [5, 0, 1], [5, 0, -4], [5, 0, 20]]  # fmt: skip
+
+
 def test_k_repeats_in_g91():
     text = "O1\nG0 X0. Y0. Z5.\nG91 G99 G81 X10. R-3. Z-4. K3 F100.\nG80\nM30\n"
     bottoms = [p for p in places(text) if p[2] == -2.0]
@@ -362,6 +389,12 @@ def test_corner_r_and_chamfer():
     assert places(rounded) == [[15, 0, 0], [20, 5, 0], [20, 20, 0]]
     chamfered = "O1\nG1 X0. Y0. F100.\nX20. ,C5.\nY20.\nM30\n"
     assert places(chamfered) == [[15, 0, 0], [20, 5, 0], [20, 20, 0]]
+
+
+@pytest.mark.parametrize("corner", [",C5.", ",R5."])
+def test_the_feed_of_a_block_with_a_corner_holds_from_there_on(corner):
+    moves = read(f"O1\nG1 X10. F600.\nX30. {corner} F1200.\nY20.\nM30\n").moves
+    assert moves.feed_mm_per_min.tolist() == [600.0, 1200.0, 1200.0, 1200.0]
 
 
 def test_further_work_offsets():

@@ -49,6 +49,12 @@ CASES = {
          {"left": 0.01, "bore_1": bore_shift(0.02, 0)}, [20.03]),
     "distance of bores": ("bore 1", "distance 60 ±0.1 to bore 2",
                           {"bore_1": bore_shift(-0.02, 0.01)}, [60.02]),
+    # the middle of the sides moves by half the difference of theirs
+    "distance of a bore from the middle of a width":
+        ("bore 1", "distance 30 ±0.1 to length", {"left": 0.01, "right": 0.05}, [30.02]),
+    "distance of the middle of a width from a bore":
+        ("length", "distance 30 ±0.1 to bore 2",
+         {"left": 0.01, "right": 0.05, "bore_2": bore_shift(0.03, 0, "bore 2")}, [30.01]),
     "flatness, bow": ("top", "flatness 0.1", {"top": lambda p: 4e-6 * (p[:, 0] - 50) ** 2}, [0.01]),
     "flatness, twist": ("top", "flatness 0.1",
                         {"top": lambda p: (p[:, 0] - 50) * (p[:, 1] - 30) / 150_000}, [0.02]),
@@ -279,6 +285,15 @@ def test_a_least_squares_size_in_place_of_two_point_sizes_says_so():
         assert (found.label, found.value_mm) == ("least squares", pytest.approx(mm, abs=1e-6))
     (asked,) = measures(half, "bore 1", "20 H7 (GG)")
     assert asked.label == ""
+
+
+def test_the_axis_of_half_a_bore_leans_between_its_ends():
+    """Sections of half a wall have no centres: the ends of its axis, 26 mm apart, stand for it."""
+    cut = np.ones(len(NOMINAL), bool)
+    cut[ROWS["bore 1"]] = NOMINAL[ROWS["bore 1"], 0] > 20.0
+    points = part(bore_1=lambda p: FACES["bore 1"][1][:, 1] * 1e-3 * p[:, 2])
+    half = Points(points.nominal_mm, points.normal, points.deviation_mm, cut)
+    assert values(half, "bore 1", "perpendicularity Ø0.1 A") == pytest.approx([0.026], abs=MM)
 
 
 def test_a_contact_datum_of_half_a_bore_is_named():

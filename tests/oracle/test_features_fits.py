@@ -118,3 +118,43 @@ def test_a_hole_and_a_shaft_of_one_letter_mirror_each_other():
 def test_classes_beyond_the_tables_are_refused(size, text, message):
     with pytest.raises(InputError, match=message):
         fit_limits_mm(size, text)
+
+
+@pytest.mark.parametrize("grade", range(6, 14))
+def test_five_grades_further_a_tolerance_is_ten_times_as_large(grade):
+    """ISO 286-1, the rule behind its table 1; above 3 up to 6 mm IT11 and IT16 are rounded."""
+    for size in (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500):
+        tenfold = 10.0 * standard_tolerance_um(size, grade)
+        if (size, grade) == (6, 6):
+            tenfold = 75.0
+        assert standard_tolerance_um(size, grade + 5) == tenfold, (size, grade)
+
+
+@pytest.mark.parametrize("grade", [1, 5])
+def test_fine_grades_follow_their_formulas(grade):
+    """IT1 = 0.8 + 0.02 D and IT5 = 7 i; values are rounded."""
+    for low, high in pairwise([3, 6, 10, 18, 30, 50, 80, 120, 180]):
+        mean = np.sqrt(low * high)
+        unit = 0.45 * np.cbrt(mean) + 1e-3 * mean
+        value = {1: 0.8 + 0.02 * mean, 5: 7.0 * unit}[grade]
+        assert standard_tolerance_um(high, grade) == pytest.approx(value, rel=0.1, abs=0.3)
+
+
+#: -es of shafts from the geometric mean D of the range, um (ISO 286-1); values are rounded
+FORMULAS = {
+    "a": lambda d: 265 + 1.3 * d if d <= 120 else 3.5 * d,
+    "d": lambda d: 16 * d**0.44,
+    "e": lambda d: 11 * d**0.41,
+    "f": lambda d: 5.5 * d**0.41,
+    "g": lambda d: 2.5 * d**0.34,
+}
+
+
+@pytest.mark.parametrize("letter", list(FORMULAS))
+def test_shafts_with_clearance_follow_their_formulas(letter):
+    fine = [3, 6, 10, 18, 30, 40, 50, 65, 80, 100, 120, 140, 160, 180, 200, 225, 250, 280, 315,
+            355, 400, 450, 500]  # fmt: skip
+    whole = [3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500]
+    for low, high in pairwise(fine if letter == "a" else whole):
+        found = -1e3 * fit_limits_mm(high, f"{letter}9")[1]
+        assert found == pytest.approx(FORMULAS[letter](np.sqrt(low * high)), rel=0.03, abs=0.6)

@@ -47,6 +47,13 @@ def test_bolt_circle_and_arc():
     assert found == pytest.approx(np.stack([20 * np.cos(angle), 20 * np.sin(angle)], axis=1))
 
 
+def test_bolt_holes_along_an_angle():
+    found = holes(read("G0 X5. Y-3.\nG81 Z-5. R2. L0\nG72 I12. J60. L4"))
+    away = 12.0 * np.arange(4)
+    line = [5 + away * np.cos(np.pi / 3), -3 + away * np.sin(np.pi / 3)]
+    assert found == pytest.approx(np.stack(line, axis=1), abs=1e-4)
+
+
 @pytest.mark.parametrize(
     ("body", "word"),
     [
@@ -54,6 +61,8 @@ def test_bolt_circle_and_arc():
         ("G12 Z-1.", "radius I"),
         ("G12 D1 I6. K15. Z-1.", "increment Q"),
         ("G70 I20. J0. L4", "without a canned cycle"),
+        ("G81 Z-5. R2. F100. L0\nG71 I20. J0. L4", "G71 without K word"),
+        ("G81 Z-5. R2. F100. L0\nG72 J0. L4", "G72 without I word"),
     ],
 )
 def test_what_lacks_a_word_is_refused(body, word):

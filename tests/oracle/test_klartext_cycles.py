@@ -217,6 +217,29 @@ def test_infeeds_shrink_by_q212_to_q205():
     assert down[down < 0] == pytest.approx([-12, -20, -24, -27, -30])
 
 
+def test_deep_drilling_starts_below_the_surface_and_breaks_chips():
+    """Q379: at the feed Q253 to the clearance above the start; every Q257 a way back of Q256."""
+    body = (
+        "CYCL DEF 205 Q200=+2 Q201=-30 Q206=+100 Q202=+12 Q203=+0 Q204=+20 Q212=+0 Q205=+3 "
+        "Q258=+0.5 Q259=+0.5 Q257=+5 Q256=+0.3 Q211=+0 Q379=+6 Q253=+750\n"
+        "L X+0 Y+0 R0 FMAX M99"
+    )
+    moves = read(body).moves
+    level = moves.end_mm[:, 2] - 100.0
+    first = int(np.flatnonzero(moves.at_feed)[0])
+    assert level[first] == pytest.approx(-4) and moves.feed_mm_per_min[first] == 750
+    assert level[first + 1 :] == pytest.approx(
+        [-11, -10.7, -16, -15.7, -18, 2, -17.5, -23, -22.7, -28, -27.7, -30, 20]
+    )
+    # the last infeed too, which is the only one where Q202 is the whole depth
+    at_once = read(body.replace("Q202=+12", "Q202=+30")).moves.end_mm[:, 2] - 100.0
+    assert at_once[first + 1 :] == pytest.approx(
+        [-11, -10.7, -16, -15.7, -21, -20.7, -26, -25.7, -30, 20]
+    )
+    drilled = first + 1 + np.flatnonzero(moves.at_feed[first + 1 :])
+    assert (moves.feed_mm_per_min[drilled] == 100).all()
+
+
 def test_tools_are_called_by_name():
     text = 'BEGIN PGM A MM\nTOOL CALL "MILL_D10" Z S1000\nL X+1 FMAX\nL M140 MB MAX\nEND PGM A MM\n'
     program = read_program(Source(text.encode(), "part.h"), tools=TOOLS)

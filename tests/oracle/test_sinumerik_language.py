@@ -274,9 +274,11 @@ def test_spigots_keep_their_walls():
     assert (sweep[square.moves.sweep_rad > 1e-9] < 0).all(), "CDIR 2 is G2"
 
 
-def test_slots_along_a_circle():
+@pytest.mark.parametrize("step", ["120", "0", ""], ids=["said", "zero", "left out"])
+def test_slots_along_a_circle(step):
     """Three slots of 15 over 70 degrees on a radius of 42: walls at 34.5 and 49.5."""
-    body = "T1 D1 M6\nS1000 M3 F300\nSLOT2(2,0,2,-23,,3,70,15,60,60,42,0,120,100,300,6,2,0,0)"
+    body = "T1 D1 M6\nS1000 M3 F300\nSLOT2(2,0,2,-23,,3,70,15,60,60,42,0,STEP,100,300,6,2,0,0)"
+    body = body.replace("STEP", step)
     moves = tip(read(body))
     low = moves[moves[:, 2] < -22.999][:, :2] - [60, 60]
     out, angle = np.hypot(*low.T), np.degrees(np.arctan2(*low.T[::-1])) % 360.0

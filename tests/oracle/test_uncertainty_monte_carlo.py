@@ -309,3 +309,21 @@ def test_volumetric_accuracy_against_machines_with_corrections():
     assert found.drawn.low[0] == pytest.approx(ends[0][0], abs=0.2 * brute.std())
     assert found.drawn.high[0] == pytest.approx(ends[1][0], abs=0.2 * brute.std())
     assert found.missed_mm == pytest.approx(0.0, abs=1e-12)
+
+
+def test_shares_of_the_doubt_in_the_volumetric_accuracy():
+    """The worst pair lies 400 mm apart along X and 300 along Y, and its errors differ along X.
+
+    By 4 urad of squareness that is 1.2 um, by 9 um/m of scale 3.6 um; Z does not count.
+    """
+    travel = {"X": (-400.0, 0.0), "Y": (-300.0, 0.0), "Z": (-300.0, 0.0)}
+    errors = {"EXX": (np.array([-400.0, 0.0]), np.array([0.0, 0.004]))}
+    one = machine_from_arrays("m", travel_mm=travel, errors=errors, squareness_urad={"EC0Y": 12.0})
+    stated = MeasuringUncertainty(1e-12, 1e-12, 4e-6, 9e-6)
+    known = replace(one, uncertainty=stated)
+    volume = Volume(np.array([-400.0, -300.0, -300.0]), np.zeros(3), (3, 3, 3))
+    field = error_field(known, volume, np.zeros(3), Variant.HTM)
+    found = draw_accuracy(known, field, np.zeros(3), Variant.HTM, Plan())
+    assert list(found.share)[:2] == ["scale of positioning", "EC0Y"]  # the largest first
+    assert list(found.share.values())[:2] == pytest.approx([12.96 / 14.4, 1.44 / 14.4], abs=1e-9)
+    assert sum(found.share.values()) == pytest.approx(1.0)

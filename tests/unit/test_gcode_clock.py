@@ -42,6 +42,13 @@ def test_feed_modes_agree():
         assert other.duration_s == pytest.approx(per_minute.duration_s)
 
 
+@pytest.mark.parametrize("arc", ["G2 X10 Y0", "G3 X10 Y0", "G2 X0 Y-10", "G3 X0 Y-10"])
+@pytest.mark.parametrize("turns", [1, 2, 4])
+def test_a_helix_in_inverse_time_takes_the_time_that_it_says(arc, turns):
+    m = moves(f"G0 X10\nG93 {arc} Z-5 I-10 P{turns} F2\nM2\n")
+    assert m.duration_s[1] == pytest.approx(30.0)
+
+
 def test_rotary_axes_alone_move_in_degrees():
     m = moves("G1 A90 F180\nG1 X10 A0 F100\nM2\n")
     assert m.duration_s == pytest.approx([30.0, 6.0])
@@ -63,6 +70,22 @@ def test_tangent_moves_run_through_and_exact_stop_stops():
     assert through.duration_s.sum() == pytest.approx(1.1)
     assert stopped.duration_s.sum() == pytest.approx(1.2)
     assert stopped.exact_stop.all() and not through.exact_stop.any()
+
+
+@pytest.mark.parametrize(("turn", "way"), [("G3", 1.0), ("G2", -1.0)])
+def test_a_helix_runs_through_where_a_line_goes_on_as_it_ends(turn, way):
+    """A turn of 20 mm radius that rises 10 mm ends along (0, 2 pi 20, 10)."""
+    ahead = np.array([0.0, way * 40.0 * np.pi, 10.0])
+    after = np.array([20.0, 0.0, 10.0]) + ahead / 2.0
+    before = np.array([20.0, 0.0, 0.0]) - ahead / 2.0
+    start, end = (f"X20 Y{y:.6f} Z{z:.6f}" for _, y, z in (before, after))
+    text = f"G61\nG0 {start}\nG1 X20 Y0 Z0 F6000\n{turn} X20 Y0 Z10 I-20\nG1 {end}\nM2\n"
+    m = moves(text, acceleration_mm_per_s2=1000.0)
+    length = 2.0 * np.linalg.norm(ahead)
+    assert m.duration_s[1:].sum() == pytest.approx(length / 100.0 + 0.1, rel=1e-6)
+    leaning = text.replace(end, f"X20 Y{after[1]:.6f} Z{20.0 - after[2]:.6f}")  # goes down again
+    slower = moves(leaning, acceleration_mm_per_s2=1000.0)
+    assert slower.duration_s[1:].sum() == pytest.approx(length / 100.0 + 0.2, rel=1e-6)
 
 
 def test_exact_path_stops_at_corners_only():

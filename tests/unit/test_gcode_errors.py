@@ -105,8 +105,8 @@ def test_tool_table_errors_name_the_row(tmp_path):
 @pytest.mark.parametrize(
     ("control", "mismatch_mm", "accepted"),
     [
-        ("linuxcnc", 0.027, True),
-        ("linuxcnc", 0.030, False),
+        ("linuxcnc", 0.0282, True),  # 2 * 0.01 * sqrt(2) mm
+        ("linuxcnc", 0.0284, False),
         ("grbl", 0.0049, True),
         ("grbl", 0.0060, False),
         ("sinumerik", 0.0099, True),
@@ -118,6 +118,23 @@ def test_tool_table_errors_name_the_row(tmp_path):
 def test_arc_tolerance_of_each_control(control, mismatch_mm, accepted):
     text = f"G21 F100\nG0 X0 Y-2\nG3 X{2 + mismatch_mm:.4f} Y0 I0 J2\n"
     assert control in ARC_TOLERANCES
+    if accepted:
+        assert len(read_program(Source(text.encode()), arc_tolerances=control).moves) == 2
+    else:
+        assert "differs from radius" in refusal(text, arc_tolerances=control)
+
+
+@pytest.mark.parametrize(
+    ("control", "mismatch_inch", "accepted"),
+    [
+        ("linuxcnc", 0.0028, True),  # 2 * 0.001 * sqrt(2) inch, more than in millimetres
+        ("linuxcnc", 0.0029, False),
+        ("grbl", 0.00019, True),  # 0.005 mm
+        ("grbl", 0.00021, False),
+    ],
+)
+def test_arc_tolerance_of_a_program_in_inches(control, mismatch_inch, accepted):
+    text = f"G20 F4\nG0 X0 Y-.1\nG3 X{0.1 + mismatch_inch:.5f} Y0 I0 J.1\n"
     if accepted:
         assert len(read_program(Source(text.encode()), arc_tolerances=control).moves) == 2
     else:

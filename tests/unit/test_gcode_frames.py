@@ -84,3 +84,41 @@ def test_block_delete():
 
 def test_moves_know_their_line():
     assert moves("G0 X1\n\n(a)\nX2\nG81 X5 Z-1 R1 F10\nM2\n").line.tolist() == [1, 4, 5, 5, 5, 5]
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        "G10 L20 P1 X3 Y4 Z5",
+        "G10 L20 P1 X3\nG10 L20 P1 Y4 Z5",
+        "G10 L10 P1 X3 Y4 Z5\nG43 H1",
+        "G10 L10 P1 X3\nG43 H1\nG10 L10 P1 Y4 Z5\nG43 H1",
+        "G10 L11 P1 X3 Y4 Z5\nG43 H1\nG59.3",
+        "G92 X3 Y4 Z5",
+        "G92 X3\nG92 Y4 Z5",
+    ],
+)
+@pytest.mark.parametrize("turn", ["R0", "R30"])
+def test_where_the_tool_stands_reads_as_it_was_set(setting, turn):
+    """LinuxCNC, G10 L10, L11, L20 and G92: present coordinates become the given values."""
+    frames = f"G10 L2 P1 X10 Y20 Z30 {turn}\nG10 L2 P9 X-4 Y7 Z2 {turn}\n"
+    m = moves(f"T1 M6\n{frames}G54 G43 H1\nG0 X50 Y60 Z70\n{setting}\nG0 X3 Y4 Z5\nM2\n")
+    assert m.end_mm[-1] == pytest.approx(m.end_mm[1], abs=1e-9)
+    m = moves(f"T1 M6\n{frames}G54 G43 H1\nG0 X50 Y60 Z70\n{setting}\nG0 X3.25 Y4 Z5\nM2\n")
+    assert np.linalg.norm(m.end_mm[-1] - m.end_mm[1]) == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize("change", ["G55", "G10 L2 P1 R0", "G10 L2 P1 X1 Y2 R70", "G55 G54"])
+def test_a_change_of_the_frame_leaves_the_tool_where_it_is(change):
+    """What stands still is seen by a move along one axis of the frame after the change."""
+    text = "G10 L2 P1 X10 Y20 R30\nG10 L2 P2 X-5 Y3 R-40\nG54 G0 X50 Y60 Z5\n"
+    change = change.replace(" G5", "\nG5")
+    before = moves(f"{text}M2\n").end_mm[-1]
+    for word in "XYZ":
+        end = moves(f"{text}{change}\nG91 G0 {word}2\nM2\n").end_mm[-1]
+        assert np.linalg.norm(end - before) == pytest.approx(2.0)
+        step = end - before
+        absolute = moves(f"{text}{change}\nG0 {word}2\nG0 {word}4\nM2\n").end_mm
+        # along the same axis of the frame, through where the tool stands
+        away = np.cross(absolute[-1] - before, step)
+        assert away == pytest.approx(np.zeros(3), abs=1e-9)

@@ -121,3 +121,15 @@ def test_a_level_about_z_is_refused(tmp_path):
     write_level(tmp_path, np.sin)
     with pytest.raises(InputError, match=r"job\.toml:\d+: 'about' = 'C'; accepted: 'A' or 'B'"):
         read_instruments(read_job(job))
+
+
+@pytest.mark.parametrize(
+    ("places", "said"),
+    [(PLACES + 100.0, "travel"), (PLACES / 1000.0, "are the places in metres")],
+    ids=["beyond", "metres"],
+)
+def test_places_that_the_axis_does_not_reach_or_in_metres_are_refused(tmp_path, places, said):
+    job = write_job(tmp_path, more=level("A"))
+    write_level(tmp_path, np.sin, places)
+    with pytest.raises(InputError, match=said):
+        read_instruments(read_job(job))

@@ -144,15 +144,15 @@ def _deep(hole: _Hole) -> None:
         hole.feed(start + hole.q(200), hole.q(253, hole.feed_in))
     breaks, back = abs(hole.q(257, 0.0)), hole.q(256, 0.2)
     before = start
-    for depth in hole.pecks(start):
+    for depth in [*hole.pecks(start), hole.bottom]:
         while breaks > 0.0 and before - breaks > depth + 1e-9:
             before -= breaks
             hole.feed(before)
             hole.rapid(min(before + back, hole.clear))
         hole.feed(depth)
-        _come_out(hole, depth, hole.q(258, _ADVANCED_STOP_MM))
+        if depth != hole.bottom:
+            _come_out(hole, depth, hole.q(258, _ADVANCED_STOP_MM))
         before = depth
-    hole.feed(hole.bottom)
     hole.dwell(211)
     _leave(hole)
 

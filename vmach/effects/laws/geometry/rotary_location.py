@@ -15,7 +15,7 @@ class RotaryLocation(Effect):
     title = "location error of a rotary axis"
     commonness = 1
     shows_as = "offset of a rotary axis"
-    law = "(R(c) - 1) offset, R the rotation by the angle c of the axis"
+    law = "(1 - R(c)) offset, R the rotation by the angle c of the axis"
     source = "equation (34) of docs/laws.md; ISO 230-7, XOC, YOC and the like"
     parameters = (
         linear("first_um", "offset along the first direction across the axis", usual=15.0),
@@ -32,7 +32,7 @@ class RotaryLocation(Effect):
         start = path.moves.rotary_start_deg[path.states.move, axis]
         end = path.moves.rotary_end_deg[path.states.move, axis]
         angle = np.radians(start + path.states.parameter * (end - start))
-        cos, sin = np.cos(angle) - 1.0, np.sin(angle)
+        cos, sin = 1.0 - np.cos(angle), -np.sin(angle)
         shift = np.zeros((len(path), 3))
         shift[:, (axis + 1) % 3] = 1e-3 * (first_um * cos - second_um * sin)
         shift[:, (axis + 2) % 3] = 1e-3 * (first_um * sin + second_um * cos)
