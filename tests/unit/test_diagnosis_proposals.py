@@ -179,13 +179,13 @@ def test_a_form_comes_with_the_test_that_would_refute_it(pushed_job, tmp_path):
 
 def test_every_state_has_a_test_that_would_refute_it(pushed_job):
     survey = survey_job(pushed_job)
-    for state in states_of(survey.job, survey.paths[0]):
+    for state in states_of(survey.paths[0]):
         assert refuting_test(state)
 
 
 def form_of(words, path, job):
     """The form of a state of these words into X, proposed with 4 um."""
-    (state,) = [s for s in states_of(job, path) if s.words == words]
+    (state,) = [s for s in states_of(path) if s.words == words]
     form = Form(state, CONSTANT, DIRECTIONS[0])
     return Proposal(form, {"amount_um": 4.0}, {"amount_um": 0.4}, 2.0, 50.0, 0.1, (2.0, 0.6))
 

@@ -178,7 +178,7 @@ class Answers:
         """The point nearest to a place on a face of its direction."""
         found = self._model.point_set(points)
         row = found.nearest(np.array(at, float), np.array(normal, float))
-        return ({} if row is None else point_facts(self._model, found, row)), b""
+        return ({} if row is None else point_facts(found, row)), b""
 
     def line(self, line: int) -> Answer:
         """What a line of the program makes: figures, and places (N, 3) float32."""
