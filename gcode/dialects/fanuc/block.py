@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 
 from gcode.dialects.fanuc.macro.expressions import MacroReader, Variables, is_null
 from gcode.errors import ProgramError
+from gcode.language.translate import number
+from gcode.state.block_values import whole
 from gcode.text.expressions import value_of
 
 __all__ = ["MacroBlock", "read_words"]
@@ -60,13 +62,8 @@ class MacroBlock:
     def text(self) -> str:
         """The block in RS274/NGC."""
         codes = [f"g{code:g}" for code in self.g]
-        words = [f"{letter}{_number(value)}" for letter, value in self.words.items()]
+        words = [f"{letter}{number(value)}" for letter, value in self.words.items()]
         return "".join([*codes, *words, *(f"m{code}" for code in self.m)])
-
-
-def _number(value: float) -> str:
-    text = repr(float(value))
-    return text if "e" not in text else f"{value:.20f}"
 
 
 def read_words(text: str, variables: Variables) -> MacroBlock:
@@ -104,7 +101,7 @@ def read_words(text: str, variables: Variables) -> MacroBlock:
         elif letter == "g":
             block.g.append(round(value, 1))
         elif letter == "m" and not block.has(*_CALLS):
-            block.m.append(_whole(value, "M code"))
+            block.m.append(whole(value, "M code"))
         elif letter != "n":
             block.words[letter] = value
             block.all_words.append((letter, value))
@@ -114,10 +111,3 @@ def read_words(text: str, variables: Variables) -> MacroBlock:
             else:
                 block.pointless.add(letter)
     return block
-
-
-def _whole(value: float, what: str) -> int:
-    nearest = math.floor(value + 0.5)
-    if abs(value - nearest) > 1e-4:
-        raise ProgramError(f"{what} {value:g} is not a whole number")
-    return nearest
