@@ -10,9 +10,9 @@ import numpy as np
 
 from gcode import readable
 from vmach.base.units import um_from_mm
-from vmach.errors import InputError
 from vmach.job import Job, job_name
 from vmach.machine import Variant
+from vmach.machine.variant_name import variant_called
 from vmach.report import ReportView
 from vmach.report.page.payload import pack_mesh
 from vmach.workbench.model.effect_cards import effect_cards
@@ -101,7 +101,7 @@ class Answers:
         """Figures of a quantity, and its value at every vertex (V,) float32 um, NaN unknown."""
         part = self._model
         wanted = read_changes(changes, part.job, part.effects)
-        points, value_mm = values_mm(part, quantity, _variant(model), wanted)
+        points, value_mm = values_mm(part, quantity, variant_called(model), wanted)
         tolerance_mm = part.job.inspection.tolerance_mm
         if tolerance_um is not None:
             tolerance_mm = 1e-3 * tolerance_um
@@ -115,7 +115,7 @@ class Answers:
         """As `values`, less what another job answered, at the points that both have."""
         part = self._model
         wanted = read_changes(changes, part.job, part.effects)
-        points, value_mm = values_mm(part, quantity, _variant(model), wanted)
+        points, value_mm = values_mm(part, quantity, variant_called(model), wanted)
         left_mm = less_of_other(points, value_mm, *minus)
         of_both = np.isfinite(left_mm)
         tolerance_mm = part.job.inspection.tolerance_mm
@@ -148,7 +148,7 @@ class Answers:
         """Write the one-file report of what is shown; `minus` is what another job answered."""
         part = self._model
         wanted = read_changes(changes, part.job, part.effects)
-        points, value_mm = values_mm(part, quantity, _variant(model), wanted)
+        points, value_mm = values_mm(part, quantity, variant_called(model), wanted)
         asked = next(one for one in quantities(part) if one.name == quantity)
         facts = {"shown": asked.label, "sliders": sliders_in_words(changes)}
         facts |= {"error model": model} if asked.has_models else {}
@@ -202,7 +202,7 @@ class Answers:
 
     def point_values(self, quantity: str, model: str) -> Answer:
         """A quantity at its points: their names, and (C,) float64 mm."""
-        points, value_mm = values_mm(self._model, quantity, _variant(model))
+        points, value_mm = values_mm(self._model, quantity, variant_called(model))
         return {"name": job_name(self._model.job.path), "ids": points.id.tolist()}, (
             value_mm.astype("<f8").tobytes()
         )
@@ -237,13 +237,6 @@ def _read_by(job: Job) -> list[Path]:
     """Files of readings that a job names; those that cannot be are refused when they are read."""
     names = [one.get("file") for one in job.measurements]
     return [job.folder / name for name in names if isinstance(name, str)]
-
-
-def _variant(name: str) -> Variant:
-    try:
-        return Variant(name)
-    except ValueError:
-        raise InputError(f"model = {name!r}", accepted=", ".join(map(str, Variant))) from None
 
 
 #: what may be asked
