@@ -44,6 +44,16 @@ class MacroBlock:
     pointless: set[str] = field(default_factory=set)
     corner: tuple[str, float] | None = None
 
+    def add(self, letter: str, value: float, *, has_point: bool) -> None:
+        """Add a word that is neither G nor M."""
+        self.words[letter] = value
+        self.all_words.append((letter, value))
+        self.has_point.append(has_point)
+        if has_point:
+            self.pointless.discard(letter)
+        else:
+            self.pointless.add(letter)
+
     def has(self, *codes: float) -> bool:
         """Whether one of some G codes stands in the block."""
         return any(code in self.g for code in codes)
@@ -103,11 +113,5 @@ def read_words(text: str, variables: Variables) -> MacroBlock:
         elif letter == "m" and not block.has(*_CALLS):
             block.m.append(whole(value, "M code"))
         elif letter != "n":
-            block.words[letter] = value
-            block.all_words.append((letter, value))
-            block.has_point.append(not literal.lstrip("+-").isdigit())
-            if block.has_point[-1]:
-                block.pointless.discard(letter)
-            else:
-                block.pointless.add(letter)
+            block.add(letter, value, has_point=not literal.lstrip("+-").isdigit())
     return block
