@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from gcode import readable
-from vmach.base.units import um_from_mm
+from vmach.base.units import mm_from_um, um_from_mm
 from vmach.job import Job, job_name
 from vmach.machine import Variant
 from vmach.machine.variant_name import variant_called
@@ -104,7 +104,7 @@ class Answers:
         points, value_mm = values_mm(part, quantity, variant_called(model), wanted)
         tolerance_mm = part.job.inspection.tolerance_mm
         if tolerance_um is not None:
-            tolerance_mm = 1e-3 * tolerance_um
+            tolerance_mm = mm_from_um(tolerance_um)
         figures = figures_of(points, value_mm, tolerance_mm)
         return figures | {"quantity": quantity, "model": model}, self._at_vertices(points, value_mm)
 
@@ -120,7 +120,7 @@ class Answers:
         of_both = np.isfinite(left_mm)
         tolerance_mm = part.job.inspection.tolerance_mm
         if tolerance_um is not None:
-            tolerance_mm = 1e-3 * tolerance_um
+            tolerance_mm = mm_from_um(tolerance_um)
         figures = figures_of(points.only(of_both), left_mm[of_both], tolerance_mm)
         return figures | {"quantity": quantity, "model": model}, self._at_vertices(points, left_mm)
 
@@ -160,7 +160,7 @@ class Answers:
             )
             facts |= {"minus": str(minus[0]["name"])}
         is_signed = asked.is_signed or minus is not None
-        shown = Shown(points, value_mm, label, facts, 1e-3 * tolerance_um, is_signed)
+        shown = Shown(points, value_mm, label, facts, mm_from_um(tolerance_um), is_signed)
         still = None if picture is None else Path(picture)
         write_screen_report(Path(path), part, shown, ReportView(**view), picture=still)
         return {}, b""
