@@ -37,12 +37,7 @@ _INNER_MM = 0.01
 
 
 class ContourCycles:
-    """Labels of cycle 14 and data of cycle 20.
-
-    Parameters
-    ----------
-    reader : KlartextReader
-    """
+    """Labels of cycle 14, data of cycles 20 and 270."""
 
     def __init__(self) -> None:
         self.labels: list[str] = []
