@@ -32,6 +32,8 @@ from gcode.text.source import Source
 
 #: Smaller programs are read before the compiled reader would be loaded, bytes.
 _FAST_FROM = 50_000
+#: what notes on the reading are about, in the place of a word
+OF_READING = frozenset(("increment", "units", "%", "two motions", "not confirmed"))
 #: begins as programs of FANUC and its relatives do
 _NUMBERED = re.compile(rb"\s*%?\s*[O:]\d", re.IGNORECASE)
 _PERCENT_LINE = re.compile(rb"\s*%[ \t\r]*\n")
@@ -42,21 +44,26 @@ __all__ = ["Note", "Program", "read_program"]
 
 @dataclass(frozen=True)
 class Note:
-    """A word that the reader understands and that does not change where the tool goes.
+    """A word that does not change where the tool goes, or a reading that may be another's.
 
     Attributes
     ----------
     line : int
         1-based.
     word : str
-        As ``M8``.
+        As ``M8``; one of `OF_READING` where the note says how the program was read.
     meaning : str
-        What it would do.
+        What the word would do, or how it was read.
     """
 
     line: int
     word: str
     meaning: str
+
+    @property
+    def is_of_reading(self) -> bool:
+        """Whether it says how the program was read."""
+        return self.word in OF_READING
 
 
 @dataclass(frozen=True)
@@ -235,7 +242,7 @@ def read_program(
         return controller
 
     try:
-        spoken, controller = _run_as_recognised(run, source.data[source.mark :], dialect)
+        spoken, controller = _run_as_recognised(run, source, dialect)
     except ProgramError as error:
         raise _placed(error, source) from None
     if controller.trace is not None:
@@ -251,14 +258,15 @@ def read_program(
 
 
 def _run_as_recognised(
-    run: Callable[[type[Dialect]], Controller], data: bytes, name: str
+    run: Callable[[type[Dialect]], Controller], source: Source, name: str
 ) -> tuple[Recognition, Controller]:
     """Run in the dialect of the text's head; where that is refused, in that of the whole text."""
-    spoken = choose_dialect(name, data)
+    data = source.data[source.mark :]
+    spoken = choose_dialect(name, data, path=source.path)
     try:
         return spoken, run(spoken.dialect)
     except ProgramError as error:
-        other = choose_dialect(name, data, whole=True)
+        other = choose_dialect(name, data, path=source.path, whole=True)
         if other.dialect is spoken.dialect:
             if spoken.dialect.is_rs274:
                 name_unread_control(data.decode("latin-1"))

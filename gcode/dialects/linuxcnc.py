@@ -21,6 +21,7 @@ class LinuxCnc(Dialect):
     title = "LinuxCNC 2.9"
     source = "LinuxCNC 2.9 documentation, G-Code Programming; its interpreter is the oracle"
     synonyms = ("rs274",)
+    file_endings = (".ngc",)
     is_rs274 = True
     arcs = ARC_TOLERANCES["linuxcnc"]
     own_words = re.compile(

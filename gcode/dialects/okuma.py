@@ -168,6 +168,7 @@ class Okuma(Fanuc):
     name = "okuma"
     title = "Okuma OSP"
     source = "Autodesk and HSMWorks posts for Okuma OSP-E100M and OSP-P300 (okuma.cps)"
+    file_endings = (".min",)
     rank = 5
     marks = re.compile(
         r"^[ \t]*\$\S+\.(?:MIN|SUB)\b"

@@ -22,10 +22,10 @@ __all__ = ["check_dialect"]
 _PATTERN = (re.Pattern, type(None))
 #: attribute -> what its value must be
 _TYPES = {"name": str, "title": str, "source": str, "synonyms": tuple, "marks": _PATTERN,
-          "rank": int, "is_rs274": bool, "arcs": ArcTolerance, "reads": tuple,
-          "own_words": _PATTERN, "unlike": _PATTERN, "flow_lines": _PATTERN, "unwritable": _PATTERN,
-          "inch_decimals": int, "ending": frozenset, "floating_tap": bool, "is_written": bool,
-          "options": Mapping,
+          "file_endings": tuple, "rank": int, "is_rs274": bool, "arcs": ArcTolerance,
+          "reads": tuple, "own_words": _PATTERN, "unlike": _PATTERN, "flow_lines": _PATTERN,
+          "unwritable": _PATTERN, "inch_decimals": int, "ending": frozenset,
+          "floating_tap": bool, "is_written": bool, "options": Mapping,
           "confirmed": Mapping}  # fmt: skip
 #: attribute -> what class it must be derived from
 _CLASSES = {"reader": Translated, "text": BlockText, "edit": LineEdit}

@@ -40,6 +40,8 @@ class Dialect:
     marks : re.Pattern or None
         Found in the text of a program by which it is recognised; None for a dialect that has
         to be named.
+    file_endings : tuple of str
+        Of files by which it is recognised where no marks are found, in lower case, with the dot.
     rank : int
         Where the marks of two are found, the lower one has the program.
     reader : type
@@ -87,6 +89,7 @@ class Dialect:
     source: str = ""
     synonyms: tuple[str, ...] = ()
     marks: re.Pattern[str] | None = None
+    file_endings: tuple[str, ...] = ()
     rank: int = 50
     reader: type[Translated] = Translated
     is_rs274: bool = False

@@ -120,14 +120,20 @@ class Recognition:
         return f"read as {self.dialect.title} ({self.dialect.name}): {self.reason}"
 
 
-def choose_dialect(name: str, data: bytes, *, whole: bool = False) -> Recognition:
+def choose_dialect(
+    name: str, data: bytes, *, path: str | Path = "", whole: bool = False
+) -> Recognition:
     """The dialect of a name; for ``auto`` the one whose marks are found in the text.
+
+    Where none are, the ending of the file's name says it, if it is that of one control alone.
 
     Parameters
     ----------
     name : str
     data : bytes
         The program.
+    path : str or Path
+        Its file.
     whole : bool
         Search all of it, and not its head alone.
     """
@@ -138,10 +144,14 @@ def choose_dialect(name: str, data: bytes, *, whole: bool = False) -> Recognitio
         reason = kind.detect(text)
         if reason is not None:
             return Recognition(kind, reason)
+    ending = Path(path).suffix
+    for kind in dict.fromkeys(_dialects().values()):
+        if ending.lower() in kind.file_endings:
+            return Recognition(kind, f"the file's name ends in {ending}")
     return Recognition(_dialects()[_FALLBACK], "it has no word of another control", True)
 
 
 def dialect_of(path: str | Path, name: str = "auto") -> str:
     """The dialect in which `read_program` will read a file; arguments and errors as there."""
     with Path(path).open("rb") as file:
-        return choose_dialect(name, file.read(_HEAD)).dialect.name
+        return choose_dialect(name, file.read(_HEAD), path=path).dialect.name

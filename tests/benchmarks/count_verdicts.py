@@ -27,6 +27,7 @@ from tests.benchmarks.bench_hidden_effects import (
     one,
     read_rows,
 )
+from tests.benchmarks.told_by_effect import print_told_by_effect
 from tests.hidden_effects.experiment import FOREIGN_KINDS, SINGLE_KINDS
 from tests.hidden_effects.measuring import NOISES, PEERS
 
@@ -96,6 +97,8 @@ def print_table(rows: list[dict]) -> None:
     for name, some in (("", rows), (" where all effects are told", told)):
         hits = _held(some)
         _print_counts(f"95 % intervals that hold the truth{name}", sum(hits), len(hits))
+    print()
+    print_told_by_effect([row for row in rows if row["kind"] not in (*FOREIGN_KINDS, *BESIDE)])
 
 
 def _held(rows: list[dict]) -> list[bool]:

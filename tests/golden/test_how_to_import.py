@@ -47,7 +47,7 @@ def test_the_page_leads_to_a_first_report(folder):
         assert run.exit_code == 0, (command, run.output, run.exception)
         said.append(run.output)
     assert said[1] == block("--squareness:")
-    assert "the job can be run" in said[2]
+    assert "the job can be simulated" in said[2]
     machine = tomllib.loads((folder / "machine.toml").read_text())
     assert machine["squareness"] == {"EC0Y": 34.1}
     assert machine["errors"] == {"EXX": {"table": "errors/EXX.csv"}}

@@ -28,7 +28,7 @@ from vmach.diagnosis.report import as_json, as_text
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.diagnosis.rivals import Rivals, credible, in_other_sets, rivals_of
 from vmach.diagnosis.words import weak_words, with_unit
-from vmach.effects import catalogue
+from vmach.effects import Circumstances, catalogue
 from vmach.errors import InputError
 from vmach.fit.survey import Survey
 from vmach.history import draw_history, history_of
@@ -219,6 +219,50 @@ def test_planned_tests_stay_within_the_travel_and_are_programs(tmp_path):
         ends = np.unique(np.round(moves.end_mm, 3), axis=0)
         for nose in np.unique(np.round(test.states.moves.end_mm, 3), axis=0)[:5]:
             assert np.abs(ends - nose).max(axis=1).min() < 2e-3
+
+
+@pytest.mark.parametrize(
+    ("plane", "normal", "upright", "square"),
+    [("XY", 2, None, "C0Y"), ("YZ", 0, 2, "A0Y"), ("ZX", 1, 2, "B0X")],
+)
+def test_a_planned_ballbar_turns_in_its_plane_and_shows_its_squareness(
+    tmp_path, plane, normal, upright, square
+):
+    """Upright arcs stay above the centre but for their run-ups; in each, the plane's squareness
+    shows as half the radius times the sine of twice the angle (ISO 230-4)."""
+    from gcode import MoveKind, read_program
+
+    job = read_job(write_job(tmp_path))
+    (test,) = (t for t in planned_tests(job) if t.name == f"ballbar {plane}")
+    centre, radius = test.settings["centre_mm"], test.settings["radius_mm"]
+    file = tmp_path / "next.nc"
+    file.write_text(write_program(test, job))
+    moves = read_program(file, work_offsets_mm=job.work_offsets_mm).moves
+    arcs = np.flatnonzero(moves.kind == MoveKind.ARC)
+    sweep = np.abs(moves.sweep_rad[arcs])
+    assert sweep.sum() == pytest.approx(4 * np.radians(540 if upright is None else 220), abs=1e-4)
+    assert {int(np.argmax(np.abs(axis))) for axis in moves.axis[arcs]} == {normal}
+    np.testing.assert_allclose(moves.centre_mm[arcs], np.tile(centre, (len(arcs), 1)), atol=2e-4)
+    assert len(set(np.sign(moves.sweep_rad[arcs] * moves.axis[arcs].sum(axis=1)))) == 2
+    out = test.sensing
+    np.testing.assert_allclose(test.states.nose_mm, centre + radius * out, atol=1e-9)
+    if upright is not None:
+        assert out[:, upright].min() > 0.0
+        lowest = np.minimum(moves.start_mm, moves.end_mm)[arcs, upright].min()
+        assert lowest == pytest.approx(centre[upright] - radius * np.sin(np.radians(20)), abs=1e-3)
+    path = Circumstances(test.states, job)
+    shown = np.einsum("pi,pik->pk", out, catalogue()["squareness"].columns(path, square, {}))[:, 0]
+    across, upward = (out[:, "XYZ".index(axis)] for axis in plane)
+    expected = 2.0 * across * upward  # sin of twice the angle
+
+    def left(values):
+        free = test.nuisance
+        return values - free @ np.linalg.lstsq(free, values, rcond=None)[0]
+
+    usual = 1e-6 * catalogue()["squareness"].amplitudes[0].usual
+    ratio = left(shown) @ left(expected) / (left(expected) @ left(expected))
+    np.testing.assert_allclose(left(shown), ratio * left(expected), atol=1e-9)
+    assert abs(ratio) == pytest.approx(0.5 * radius * usual, rel=1e-6)
 
 
 @pytest.mark.parametrize(("machine_um", "is_possible"), [(-9.0, False), (-2.0, True), (9.0, True)])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gcode import MoveKind, ProgramError, Source, ToolEntry, dialect_name, read_program
-from gcode.language.registry import choose_dialect
+from gcode.language.registry import choose_dialect, dialect_of
 
 CONTROLS = Path(__file__).parents[1] / "golden" / "controls"
 TOOLS = {1: ToolEntry(100.0, 10.0), 2: ToolEntry(80.0, 6.0)}
@@ -53,6 +53,43 @@ def refusal(text, **options):
 )
 def test_recognised_by_the_text(text, dialect):
     assert choose_dialect("auto", text.encode()).dialect.name == dialect
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "dialect"),
+    [
+        ("part.MPF", "G54 G71 G90\nT1 D1\nG0 X1\nM30\n", "sinumerik"),
+        ("part.spf", "G0 X1\nM17\n", "sinumerik"),
+        ("part.min", "G0 X1\nM2\n", "okuma"),
+        ("part.ngc", "G0 X1\nM2\n", "linuxcnc"),
+        ("part.nc", "G0 X1\nM2\n", "linuxcnc"),
+        ("part.mpf", "O1000\nWHILE[#1 LT 3]DO2\nEND 2\nM30\n", "fanuc"),
+    ],
+)
+def test_recognised_by_the_file_where_the_text_says_nothing(tmp_path, name, text, dialect):
+    found = choose_dialect("auto", text.encode(), path=tmp_path / name)
+    assert found.dialect.name == dialect
+    assert found.is_fallback == (name == "part.nc")
+    (tmp_path / name).write_text(text)
+    assert dialect_of(tmp_path / name) == dialect
+
+
+def test_units_of_a_main_program_of_sinumerik(tmp_path):
+    """G70 and G71 are lathe cycles elsewhere: the name of the file says whose they are."""
+    path = tmp_path / "part.mpf"
+    path.write_text("G54 G70 G90 F100\nG1 X1\nG71\nX1\nM30\n")
+    assert read_program(path).moves.end_mm[:, 0].tolist() == [25.4, 1.0]
+
+
+@pytest.mark.parametrize("other", [0, 1])
+def test_a_move_beside_a_cycle_is_told(other):
+    """Most programs mean the cycle; the maker's manual forbids it, and controls may cancel it."""
+    text = f"O1\nG21\nG0 X0. Y0. Z9.\nG{other} G81 X1. Z-5. R2. F99.\nX3.\nG80\nM30\n"
+    program = read_program(Source(text.encode(), "part.nc"), dialect="fanuc")
+    told = [note for note in program.notes if note.word == "two motions"]
+    assert [(note.line, note.is_of_reading) for note in told] == [(4, True)]
+    assert told[0].meaning.startswith(f"G{other} beside G81 is read as the cycle")
+    assert program.moves.end_mm[:, 2].min() == -5.0
 
 
 FANUC = """%

@@ -58,7 +58,7 @@ def canon(
             raise
     print(f"note: {program.name} is {read.assumed}", file=sys.stderr)
     for note in read.notes:
-        if note.word == "increment":
+        if note.is_of_reading:
             print(f"note: {program.name}:{note.line}: {note.meaning}", file=sys.stderr)
     if as_json:
         calls = [{"line": n, "call": name, "arguments": a} for n, name, a in canon_calls(read)]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vmach.commands.options import AsJson, Control
+from vmach.commands.options import HERE, AsJson, Control, JobPath
 
 if TYPE_CHECKING:
     from vmach.checkup.program_collisions import ProgramCollision
@@ -20,7 +20,7 @@ _TITLES = {"mend": "to mend", "look": "doubtful", "assumed": "assumed"}
 
 
 def check(
-    job: Annotated[Path, typer.Argument(help="job file, or the folder that holds job.toml")],
+    job: JobPath = HERE,
     as_json: AsJson = False,
     control: Control = None,
     collisions: Annotated[
@@ -61,7 +61,10 @@ def check(
         if collisions and not counts[Weight.MEND]:
             _say_collisions(hits)
         total = ", ".join(f"{counts[weight]} {_TITLES[weight]}" for weight in Weight)
-        print(f"{total}: " + ("mend these first" if counts[Weight.MEND] else "the job can be run"))
+        print(
+            f"{total}: "
+            + ("mend these first" if counts[Weight.MEND] else "the job can be simulated")
+        )
     if counts[Weight.MEND]:
         raise typer.Exit(1)
 

@@ -13,7 +13,15 @@ from vmach.base.progress import progress_bar
 from vmach.base.stage_clock import StageClock
 from vmach.base.units import mm_from_um
 from vmach.base.variant import Variant
-from vmach.commands.options import Control, JobPath, Model, command_line, input_files, tell_doubts
+from vmach.commands.options import (
+    HERE,
+    Control,
+    JobPath,
+    Model,
+    command_line,
+    input_files,
+    tell_doubts,
+)
 from vmach.errors import InputError
 from vmach.files.atomic import atomic_file, check_outputs
 from vmach.files.together import together
@@ -33,7 +41,8 @@ class Aim(StrEnum):
 
 
 def compensate(
-    job: JobPath,
+    *,
+    job: JobPath = HERE,
     out: Annotated[Path, typer.Option("-o", "--out", help="NC program to write")],
     model: Model = Variant.ABBE,
     aim: Annotated[

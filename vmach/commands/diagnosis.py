@@ -14,6 +14,7 @@ from vmach.base.note import Kind, Note, note_records
 from vmach.base.progress import progress_bar
 from vmach.base.terminal import console
 from vmach.commands.options import (
+    HERE,
     AsJson,
     Control,
     JobPath,
@@ -36,9 +37,7 @@ __all__ = ["add", "diagnose", "history", "set_job_values"]
 
 
 def diagnose(
-    job: Annotated[
-        Path | None, typer.Argument(metavar="JOB", help="job.toml, or the folder it is in")
-    ] = None,
+    job: JobPath = HERE,
     out: OutDir = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="JSON file to write")] = None,
     next_file: Annotated[
@@ -59,8 +58,6 @@ def diagnose(
 
         print(rules_text())
         return
-    if job is None:
-        raise typer.BadParameter("which job? JOB is job.toml, or the folder it is in")
     from vmach.diagnosis.diagnose import diagnose as diagnose_survey
     from vmach.diagnosis.report import as_text
     from vmach.diagnosis.residuals.job_survey import survey_job
@@ -274,7 +271,7 @@ def set_job_values(
 
 
 def history(
-    job: JobPath,
+    job: JobPath = HERE,
     check_job: Annotated[
         Path | None, typer.Option(help="job of another part, measured; nothing is fitted to it")
     ] = None,

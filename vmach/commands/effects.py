@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vmach.base.progress import progress_bar
+from vmach.commands.options import HERE, JobPath
 
 if TYPE_CHECKING:
     from vmach.effects import Effect, Parameter
@@ -118,7 +119,8 @@ def check(
 
 @effects_app.command()
 def propose(
-    job: Annotated[Path, typer.Argument(metavar="JOB", help="measured job")],
+    *,
+    job: JobPath = HERE,
     out: Annotated[Path, typer.Option("-o", "--out", help="Python file to write")],
     number: Annotated[int, typer.Option(min=1, help="which of the proposals")] = 1,
 ) -> None:

@@ -14,6 +14,7 @@ from vmach.base.terminal import console
 from vmach.base.uncertainty_method import UncertaintyMethod
 from vmach.base.variant import Variant
 from vmach.commands.options import (
+    HERE,
     AsJson,
     Control,
     Digits,
@@ -39,7 +40,7 @@ __all__ = ["features"]
 
 
 def features(
-    job: JobPath,
+    job: JobPath = HERE,
     out: Annotated[
         list[Path] | None,
         typer.Option("-o", "--out", help="file to write: .qif, .dmo, .dfq, .csv, .pdf; repeatable"),

@@ -15,6 +15,7 @@ from vmach.base.terminal import console
 from vmach.base.uncertainty_method import UncertaintyMethod
 from vmach.base.variant import Variant
 from vmach.commands.options import (
+    HERE,
     AsJson,
     Control,
     Digits,
@@ -41,7 +42,7 @@ __all__ = ["compare", "run"]
 
 
 def run(
-    job: JobPath,
+    job: JobPath = HERE,
     model: Model = Variant.ABBE,
     out: OutDir = None,
     part: Annotated[
@@ -78,7 +79,7 @@ def run(
 
 
 def compare(
-    job: JobPath,
+    job: JobPath = HERE,
     out: OutDir = None,
     solid: Annotated[
         bool, typer.Option("--solid", help="also cut the virtual part as a solid")

@@ -16,9 +16,24 @@ if TYPE_CHECKING:
     from vmach.job import Job
     from vmach.uncertainty.monte_carlo import Plan
 
-__all__ = ["AsJson", "Control", "Digits", "Draws", "JobPath", "Model", "OutDir", "OwnEffects",
-           "Seed", "Uncertainty", "command_line", "draw_plan", "input_files",
-           "tell_doubts", "typed"]  # fmt: skip
+__all__ = [
+    "HERE",
+    "AsJson",
+    "Control",
+    "Digits",
+    "Draws",
+    "JobPath",
+    "Model",
+    "OutDir",
+    "OwnEffects",
+    "Seed",
+    "Uncertainty",
+    "command_line",
+    "draw_plan",
+    "input_files",
+    "tell_doubts",
+    "typed",
+]  # fmt: skip
 
 
 def _tell_control(name: str | None) -> str | None:
@@ -30,6 +45,8 @@ def _tell_control(name: str | None) -> str | None:
 
 
 JobPath = Annotated[Path, typer.Argument(metavar="JOB", help="job.toml, or the folder it is in")]
+#: the job of the folder that a command is typed in
+HERE = Path()
 Control = Annotated[
     str | None,
     typer.Option("--control", help="control that the program is written for, in place of the job's",

@@ -11,14 +11,14 @@ import typer
 
 from vmach.base.progress import progress_bar
 from vmach.base.variant import Variant
-from vmach.commands.options import AsJson, Control, JobPath, Model, input_files
+from vmach.commands.options import HERE, AsJson, Control, JobPath, Model, input_files
 from vmach.files.atomic import check_outputs
 
 __all__ = ["path"]
 
 
 def path(
-    job: JobPath,
+    job: JobPath = HERE,
     model: Model = Variant.ABBE,
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help="table to write: .csv, .npz, .parquet")

@@ -13,6 +13,7 @@ from vmach.base.progress import progress_bar
 from vmach.base.uncertainty_method import UncertaintyMethod
 from vmach.base.variant import Variant
 from vmach.commands.options import (
+    HERE,
     AsJson,
     Control,
     Digits,
@@ -29,7 +30,8 @@ __all__ = ["predict"]
 
 
 def predict(
-    job: JobPath,
+    *,
+    job: JobPath = HERE,
     points: Annotated[Path, typer.Option(help="surface points: id,feature,x,y,z,i,j,k")],
     program: Annotated[Path | None, typer.Option(help="another NC program")] = None,
     model: Model = Variant.ABBE,

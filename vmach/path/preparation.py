@@ -65,12 +65,11 @@ class Preparation:
     doubts: tuple[Note, ...] = ()
 
 
-#: notes of the reader that say how it read, by their word; what would settle one that asks
-_OF_READING = {
+#: what would settle a note of the reader that asks, by what it is about
+_SETTLES = {
     "increment": "increment in [control]: " + ", ".join(INCREMENT_SYSTEMS),
     "%": "the whole program, with its end",
-    "units": None,
-    "not confirmed": None,
+    "two motions": "one of them in a block",
 }
 
 
@@ -135,11 +134,11 @@ def prepare(
 def _assumptions(program: Program) -> tuple[Note, ...]:
     """Which control the program was read for, and what that leaves open."""
     read = Note.plain(Kind.CONTROL, f"{program.path.name} is {program.assumed}")
-    return (read, *(_about_reading(note) for note in program.notes if note.word in _OF_READING))
+    return (read, *(_about_reading(note) for note in program.notes if note.is_of_reading))
 
 
 def _about_reading(note: ProgramNote) -> Note:
-    said, accepted = f"line {note.line}: {note.meaning}", _OF_READING[note.word]
+    said, accepted = f"line {note.line}: {note.meaning}", _SETTLES.get(note.word)
     if accepted is None:
         return Note.plain(Kind.CONTROL, said)
     return Note.question(Kind.CONTROL, said, accepted=accepted)

@@ -223,8 +223,19 @@ class BlockRunner(ProgrammedMotion):
     def _drill(self, block: MacroBlock, code: float | None) -> bool:
         if code is not None:
             block.g.remove(code)
+            self._note_moves_beside(block, code)
             previous = self.cycle
             level = previous.initial if previous else self.here()[self.axial]
             level = level if self.return_level is None else self.return_level
             self.cycle = DrillingCycle(code, level, previous)
         return self.cycle.obey(self, block)
+
+    def _note_moves_beside(self, block: MacroBlock, code: float) -> None:
+        """Two codes of one group in a block: most programs mean the cycle, some controls do not."""
+        for other in (0.0, 1.0, 2.0, 3.0):
+            if block.has(other):
+                self.controller.note(
+                    "two motions",
+                    f"G{other:g} beside G{code:g} is read as the cycle; some controls cancel the "
+                    "cycle there, and move to X, Y and Z",
+                )

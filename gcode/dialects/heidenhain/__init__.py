@@ -21,6 +21,7 @@ class Heidenhain(Dialect):
     title = "HEIDENHAIN TNC 620, TNC 640"
     source = "HEIDENHAIN TNC 640 User's Manual for Klartext Programming 892903"
     synonyms = ("klartext",)
+    file_endings = (".h",)
     rank = 10
     marks = re.compile(
         r"^[ \t]*(?:N?\d+[ \t]+)?(?:BEGIN PGM|BLK FORM|TOOL CALL|CYCL DEF)\b",

@@ -47,6 +47,7 @@ class Sinumerik(Dialect):
     title = "SINUMERIK 840D sl, 828D, ONE"
     source = "SINUMERIK 840D sl/828D Programming Manual Fundamentals 6FC5398-1BP40"
     synonyms = ("siemens",)
+    file_endings = (".mpf", ".spf")
     rank = 30
     marks = re.compile(
         r"^[ \t]*(?:%_N_\w+|;\$PATH=)"

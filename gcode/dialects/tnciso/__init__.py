@@ -19,6 +19,7 @@ class TncIso(Heidenhain):
     title = "HEIDENHAIN TNC, DIN/ISO"
     source = "HEIDENHAIN TNC 426/430 User's Manual ISO Programming"
     synonyms = ()
+    file_endings = (".i",)
     rank = 9
     marks = re.compile(
         r"^[ \t]*(?:N\d+[ \t]*)?%[ \t]*\w+[ \t]+G7[01]\b[ \t]*\*?", re.IGNORECASE | re.MULTILINE

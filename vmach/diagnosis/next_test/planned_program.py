@@ -18,6 +18,8 @@ __all__ = ["U_MM", "write_program"]
 U_MM = 0.5e-3
 #: a comment holds no other
 _NO_BRACKETS = str.maketrans("()", ",,")
+#: plane of arcs about each axis, and which of I, J and K lie in it
+_PLANES = (("G19", (1, 2)), ("G18", (0, 2)), ("G17", (0, 1)))
 _SIDES = "{}: the last motion of each axis before the reading, 1 in +, -1 in -"
 
 
@@ -93,16 +95,17 @@ def _lines_of_move(moves: Moves, k: int, offset: np.ndarray) -> list[str]:
 
 
 def _arc_lines(moves: Moves, k: int, offset: np.ndarray) -> list[str]:
-    """An arc as half turns."""
-    centre, sweep = moves.centre_mm[k], moves.sweep_rad[k]
-    radius = np.linalg.norm(moves.start_mm[k] - centre)
-    feed = 60.0 * abs(sweep) * radius / moves.duration_s[k]
-    word = "G3" if sweep > 0 else "G2"
+    """An arc as equal pieces of half a turn at most, and the XY plane again."""
+    centre, sweep, axis = moves.centre_mm[k], moves.sweep_rad[k], moves.axis[k]
+    out = moves.start_mm[k] - centre
+    feed = 60.0 * abs(sweep) * np.linalg.norm(out) / moves.duration_s[k]
+    plane, places = _PLANES[int(np.argmax(np.abs(axis)))]
+    word = "G3" if sweep * axis.sum() > 0 else "G2"
     lines, here = [], moves.start_mm[k]
-    for _ in range(round(abs(sweep) / np.pi)):
-        there = 2 * centre - here
+    for turned in np.linspace(0.0, sweep, int(np.ceil(abs(sweep) / np.pi - 1e-9)) + 1)[1:]:
+        there = centre + np.cos(turned) * out + np.sin(turned) * np.cross(axis, out)
         x, y, z = there - offset
-        i, j, _ = centre - here
-        lines.append(f"{word} X{x:.4f} Y{y:.4f} Z{z:.4f} I{i:.4f} J{j:.4f} F{feed:.0f}")
+        back = " ".join(f"{'IJK'[p]}{(centre - here)[p]:.4f}" for p in places)
+        lines.append(f"{word} X{x:.4f} Y{y:.4f} Z{z:.4f} {back} F{feed:.0f}")
         here = there
-    return lines
+    return lines if plane == "G17" else [plane, *lines, "G17"]

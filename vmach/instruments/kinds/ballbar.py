@@ -5,6 +5,7 @@ Source: ISO 230-4, circular tests for numerically controlled machine tools.
 
 import itertools
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -77,38 +78,86 @@ class Ballbar(Instrument):
 
     @classmethod
     def planned(cls, job):
-        yield _circles_in_xy(*job.machine.travel_mm)
+        for arc in _ARCS:
+            yield _planned_arcs(arc, *job.machine.travel_mm)
 
 
-def _circles_in_xy(low: np.ndarray, high: np.ndarray) -> PlannedTest:
-    """Circles at two feeds, both ways round."""
-    middle, radius = 0.5 * (low + high), min(150.0, 0.4 * float((high - low)[:2].min()))
-    start = middle + np.array([radius, 0.0, 0.0])
-    record = MotionRecord(middle, tool_length_mm=PLANNED_TOOL_LENGTH_MM)
-    angle = np.radians(np.arange(0.5, 360.0, 2.0))
-    moves, out, clock = [], [], 10.0
-    for feed, turn in itertools.product((1000.0, 4000.0), (1.0, -1.0)):
-        duration = 2 * np.pi * radius / feed * 60.0
-        record.line(start, until_s=clock)
-        # a turn and a half, so that the axes have reversed before the readings begin
+@dataclass(frozen=True)
+class _Arc:
+    """An arc in a plane that a test can run: angles from its first axis towards the second.
+
+    Attributes
+    ----------
+    plane : str
+    first_deg : tuple of float
+        Where the way up and the way back begin.
+    run_up_deg, read_deg, run_out_deg : float
+    words : str
+        How much of a circle is read.
+    """
+
+    plane: Literal["XY", "YZ", "ZX"]
+    first_deg: tuple[float, float]
+    run_up_deg: float
+    read_deg: float
+    run_out_deg: float
+    words: str = ""
+
+    @property
+    def sweep_rad(self) -> float:
+        """All of it."""
+        return np.radians(self.run_up_deg + self.read_deg + self.run_out_deg)
+
+
+#: whole circles in XY, after half a turn, in which both axes reverse; above the table arcs of 220
+#: degrees, of which 180 are read: spindle and centre mount leave no room for more (ISO 230-4
+#: allows partial arcs)
+_ARCS = (
+    _Arc("XY", (0.0, 0.0), 180.0, 360.0, 0.0),
+    _Arc("YZ", (-20.0, 200.0), 20.0, 180.0, 20.0, ", 180 degrees above the centre"),
+    _Arc("ZX", (-110.0, 110.0), 20.0, 180.0, 20.0, ", 180 degrees above the centre"),
+)
+
+
+def _planned_arcs(arc: _Arc, low: np.ndarray, high: np.ndarray) -> PlannedTest:
+    """An arc at two feeds, both ways round."""
+    axes = [LINEAR_AXES.index(axis) for axis in arc.plane]
+    across, upward = np.eye(3)[axes]
+    radius = min(150.0, 0.4 * float((high - low)[axes].min()))
+    circle = Circle(0.5 * (low + high), across, upward, radius, PLANNED_TOOL_LENGTH_MM)
+    record = MotionRecord(circle.centre_mm, tool_length_mm=PLANNED_TOOL_LENGTH_MM)
+    way = np.radians(arc.run_up_deg + np.arange(0.5, arc.read_deg, 2.0))
+    moves, angles, clock = [], [], 10.0
+    for feed, (turn, first_deg) in itertools.product(
+        (1000.0, 4000.0), zip((1.0, -1.0), arc.first_deg, strict=True)
+    ):
+        first, duration = np.radians(first_deg), arc.sweep_rad * radius / feed * 60.0
+        if np.allclose(record.nose_mm, circle.at(first)):
+            record.stand(until_s=clock)
+        else:
+            record.line(circle.at(first), until_s=clock)
         move = record.arc(
-            2 * middle - start,
-            centre_mm=middle,
-            axis=np.array([0.0, 0.0, 1.0]),
-            sweep_rad=turn * 3 * np.pi,
-            until_s=clock + 1.5 * duration,
+            circle.at(first + turn * arc.sweep_rad),
+            centre_mm=circle.centre_mm,
+            axis=np.cross(across, upward),
+            sweep_rad=turn * arc.sweep_rad,
+            until_s=clock + duration,
         )
-        clock += 1.5 * duration + 10.0
-        moves.append(np.full(len(angle), move))
-        facing = turn * (np.pi + angle)
-        out.append(np.column_stack([np.cos(facing), np.sin(facing), 0 * facing]))
-    sensing = np.vstack(out)
-    places = np.tile((np.pi + angle) / (3 * np.pi), len(moves))
+        clock += duration + 10.0
+        moves.append(np.full(len(way), move))
+        angles.append(first + turn * way)
+    angle = np.concatenate(angles)
     return PlannedTest(
-        "ballbar XY",
-        f"ballbar in XY, radius {radius:.0f} mm, both ways at 1000 and 4000 mm/min",
-        {"kind": Ballbar.name, "plane": "XY", "centre_mm": middle, "radius_mm": radius},
-        record.states(np.concatenate(moves), places),
-        sensing,
-        np.column_stack([np.ones(len(sensing)), sensing[:, :2]]),
+        f"ballbar {arc.plane}",
+        f"ballbar in {arc.plane}{arc.words}, radius {radius:.0f} mm, both ways at 1000 and "
+        "4000 mm/min",
+        {
+            "kind": Ballbar.name,
+            "plane": arc.plane,
+            "centre_mm": circle.centre_mm,
+            "radius_mm": radius,
+        },
+        record.states(np.concatenate(moves), np.tile(way / arc.sweep_rad, len(moves))),
+        circle.outward(angle),
+        np.column_stack([np.ones(len(angle)), np.cos(angle), np.sin(angle)]),
     )
