@@ -1,7 +1,6 @@
 """One line of text to a flat record of its words, in compiled code.
 
-A line is understood completely or not at all. A number of up to 15 digits is an exact integer
-divided by an exact power of ten, which rounds as correctly as the text's conversion.
+A line is understood completely or not at all.
 """
 
 from __future__ import annotations
@@ -10,8 +9,9 @@ import numpy as np
 
 from gcode.fast.code_table import GROUPS
 from gcode.fast.compiled import njit_part
+from gcode.fast.number_word import read_number
 
-__all__ = ["DIGITS", "MOST_M", "POWERS", "WORDS", "add_code", "bit", "clear_words", "read_line"]
+__all__ = ["MOST_M", "WORDS", "add_code", "bit", "clear_words", "read_line"]
 
 #: M codes of one block, at most
 MOST_M = 4
@@ -29,11 +29,8 @@ WORDS = np.dtype([
     ("content", "i8"),  # 0 for a blank line
 ])  # fmt: skip
 
-POWERS = 10.0 ** np.arange(16)
-DIGITS = 15  #: whole numbers of so many digits are exact, and so are these powers of ten
-
 _NEWLINE, _BLANK, _TAB, _RETURN = 10, 32, 9, 13
-_OPEN, _CLOSE, _SEMICOLON, _COMMA, _MINUS, _PLUS, _POINT = 40, 41, 59, 44, 45, 43, 46
+_OPEN, _CLOSE, _SEMICOLON, _COMMA, _MINUS = 40, 41, 59, 44, 45
 _A, _G, _M, _N = 97, 103, 109, 110
 #: letters that stand in words: all but E, G, M, N, O, U, V, W
 _WORD_LETTERS = sum(1 << (ord(c) - _A) for c in "abcdfhijklpqrstxyz")
@@ -128,23 +125,9 @@ def read_line(data, at, words, codes):  # pragma: no cover - compiled
         while data[at] == _BLANK:
             at += 1
         negative = data[at] == _MINUS
-        if negative or data[at] == _PLUS:
-            at += 1
-        mantissa, digits, decimals = 0, 0, -1
-        while True:
-            digit = data[at] - 48
-            if 0 <= digit <= 9:
-                mantissa = mantissa * 10 + digit
-                digits += 1
-                decimals += decimals >= 0
-            elif data[at] == _POINT and decimals < 0:
-                decimals = 0
-            else:
-                break
-            at += 1
-        if digits == 0 or digits > DIGITS:
+        value, decimals, at = read_number(data, at, False)
+        if at < 0:
             return -1
-        value = mantissa / POWERS[max(decimals, 0)] * (-1.0 if negative else 1.0)
         if letter in (_G, _M):
             if negative or not add_code(words, codes, 1 if letter == _M else 0, value):
                 return -1

@@ -1,13 +1,20 @@
-"""A number in the text of a word, in compiled code."""
+"""A number in the text of a word, in compiled code.
+
+A number of up to 15 digits is an exact integer divided by an exact power of ten, which rounds as
+correctly as the text's conversion.
+"""
 
 from __future__ import annotations
 
+import numpy as np
+
 from gcode.fast.compiled import njit_part
-from gcode.fast.line_words import DIGITS, POWERS
 
 __all__ = ["read_number"]
 
 _MINUS, _PLUS, _POINT, _COMMA = (ord(c) for c in "-+.,")
+_DIGITS = 15  #: whole numbers of so many digits are exact, and so are these powers of ten
+_POWERS = 10.0 ** np.arange(16)
 
 
 @njit_part
@@ -45,6 +52,6 @@ def read_number(data, at, takes_comma):  # pragma: no cover - compiled
         else:
             break
         at += 1
-    if digits == 0 or digits > DIGITS:
+    if digits == 0 or digits > _DIGITS:
         return 0.0, decimals, -1
-    return mantissa / POWERS[max(decimals, 0)] * (-1.0 if negative else 1.0), decimals, at
+    return mantissa / _POWERS[max(decimals, 0)] * (-1.0 if negative else 1.0), decimals, at

@@ -51,15 +51,22 @@ def unconfirmed_words(used: Iterable[str], confirmed: Mapping[str, str]) -> list
 
 
 def confirmation_table(confirmed: Mapping[str, Mapping[str, str]]) -> str:
-    """Rows of the documentation: control, truth, words.
+    """Rows of the documentation: controls, truth, words; words of an earlier row stand there only.
 
     Parameters
     ----------
     confirmed : mapping
         Name of a dialect -> its table.
     """
-    rows = ["| control | confirmed by | words |", "|---|---|---|"]
+    controls: dict[tuple[str, str], list[str]] = {}
     for name, table in confirmed.items():
         for truth, said in table.items():
-            rows.append(f"| {name} | {TRUTHS[truth][0]} | {', '.join(_words(said))} |")
+            controls.setdefault((truth, ", ".join(_words(said))), []).append(name)
+    rows = ["| control | confirmed by | words |", "|---|---|---|"]
+    first: dict[str, str] = {}
+    for (truth, words), names in controls.items():
+        what = TRUTHS[truth][0]
+        cell = f"those of {first[words]}" if words in first else words
+        first.setdefault(words, f"{names[0]} by {what}")
+        rows.append(f"| {', '.join(names)} | {what} | {cell} |")
     return "\n".join(rows)

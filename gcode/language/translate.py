@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from gcode.language.translated_lane import TranslatedLane
     from gcode.text.source import Source
 
-__all__ = ["Translated", "number"]
+__all__ = ["Translated", "number", "xy_words"]
 
 
 #: a line of motion becomes no more blocks of RS274/NGC; a cycle does
@@ -26,6 +26,11 @@ def number(value: float) -> str:
     """Write a number so that reading gives the same value; RS274 has no exponents."""
     text = repr(float(value))
     return text if "e" not in text else f"{value:.20f}"
+
+
+def xy_words(x: float, y: float) -> str:
+    """A place of the XY plane as words."""
+    return f"x{number(x)}y{number(y)}"
 
 
 class Translated:

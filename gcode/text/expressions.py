@@ -8,7 +8,7 @@ from collections.abc import Callable
 from gcode.errors import ProgramError
 from gcode.text.parameters import Parameters
 
-__all__ = ["Expression", "Reader", "value_of", "value_of_key"]
+__all__ = ["Expression", "Reader", "square_root", "value_of", "value_of_key"]
 
 #: A constant, or a function of the parameters' present values.
 Expression = float | Callable[[Parameters], float]
@@ -87,7 +87,8 @@ def _round(value: float) -> float:
     return float(int(value + (-0.5 if value < 0.0 else 0.5)))
 
 
-def _root(value: float) -> float:
+def square_root(value: float) -> float:
+    """The root of a number; raises ProgramError for a negative one."""
     if value < 0.0:
         raise ProgramError(f"SQRT of the negative number {value:g}")
     return math.sqrt(value)
@@ -104,7 +105,7 @@ _UNARY: dict[str, Callable[[float], float]] = {
     "ln": _logarithm,
     "round": _round,
     "sin": lambda value: math.sin(math.radians(value)),
-    "sqrt": _root,
+    "sqrt": square_root,
     "tan": lambda value: math.tan(math.radians(value)),
 }
 

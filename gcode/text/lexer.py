@@ -54,8 +54,6 @@ class Block:
         The last comment in parentheses.
     control : OWord or None
         O-word, M98 or M99.
-    deleted : bool
-        The line begins with a slash.
     constant : bool
         No value depends on a parameter.
     """
@@ -66,7 +64,6 @@ class Block:
     settings: list[tuple[str | Expression, Expression]] = field(default_factory=list)
     comment: str | None = None
     control: OWord | None = None
-    deleted: bool = False
     constant: bool = True
 
 
@@ -127,7 +124,7 @@ def read_block(text: str, *, in_subroutine: bool = False) -> Block:
     ProgramError
         For anything that is not RS274/NGC.
     """
-    block = Block(deleted=text.startswith("/"))
+    block = Block()
     label = _LABEL.match(text)
     reader = Reader(text)
     reader.position = label.end() if label else 0

@@ -88,7 +88,7 @@ class LineEdit:
             At least one.
         in_force : int
             G code in force before the line, `AS_PROGRAMMED` or `UNKNOWN`.
-        labels : Labels, optional
+        labels : Labels or None
             Gives the inserted blocks their numbers.
         """
         own, *others = motions

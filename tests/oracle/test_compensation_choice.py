@@ -5,7 +5,8 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 
-from vmach.compensation.grid.choice import Course, Points, best_sequence
+from tests.oracle.compensation_choice import best_sequence
+from vmach.compensation.grid.choice import Course, Points
 
 ENDS, TRIES, PROBES, LARGE = 4, 4, 3, 16.0
 

@@ -5,12 +5,13 @@ from itertools import product
 import numpy as np
 import pytest
 
+from tests.oracle.compensation_choice import best_sequence
 from tests.oracle.test_compensation_programs import job_with
 from tests.oracle.test_compensation_surface import STOCK
 from tests.small_job import write_job_with_nominal
 from vmach.compensation import compensate
 from vmach.compensation.aim.surface import check_surface, read_surface
-from vmach.compensation.grid.choice import Course, Points, best_sequence
+from vmach.compensation.grid.choice import Course, Points
 from vmach.effects import read_effects
 from vmach.job import read_job
 

@@ -10,7 +10,7 @@ from numpy.polynomial.legendre import legval
 from scipy.stats import kstest, multivariate_normal
 
 from vmach.effects.wandering import wandering
-from vmach.fit.evidence import WIDTHS, log_evidence
+from vmach.fit.evidence import WIDTHS, evidence_at_places
 from vmach.fit.noise import discrepancy
 from vmach.fit.whitening import Whitening, orthonormal
 from vmach.machine import read_machine
@@ -54,6 +54,12 @@ def test_whitened_noise_is_white(problem):
     noise = whiten(root @ random.standard_normal((60, 2000)))
     total = (noise**2).sum(axis=0)
     assert kstest(total, "chi2", args=(58,)).pvalue > 0.01
+
+
+def log_evidence(columns, readings, log_prior):
+    """Evidence of one candidate from its signatures (n, G, K) at G places."""
+    rows = columns.transpose(1, 2, 0)
+    return evidence_at_places(rows @ rows.transpose(0, 2, 1), rows @ readings, [log_prior])
 
 
 def test_evidence_is_the_ratio_of_dense_likelihoods():

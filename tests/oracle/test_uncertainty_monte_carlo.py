@@ -19,7 +19,7 @@ from vmach.run.pipeline import predict_points
 from vmach.uncertainty.corrections import Corrections, Part
 from vmach.uncertainty.coverage import numerical_tolerance, shortest_interval
 from vmach.uncertainty.monte_carlo import Plan, propagate
-from vmach.uncertainty.points import draw_points, point_corrections, prediction_corrections
+from vmach.uncertainty.points import draw_points, point_corrections
 from vmach.uncertainty.recut import recut
 from vmach.uncertainty.tables import Pool, TableUncertainty
 from vmach.uncertainty.volumetric import draw_accuracy
@@ -246,7 +246,8 @@ def test_draws_confirm_first_order_and_rank_what_it_comes_from(tmp_path):
     np.testing.assert_array_equal(found.drawn.low, again.drawn.low)
     straight = recut(points, prediction, Plan())
     assert straight.not_straight_mm < 1e-4 and not straight.changed.any()
-    np.testing.assert_allclose(prediction_corrections(prediction).u_mm, found.first_order_u_mm)
+    every = point_corrections(prediction, np.arange(int(prediction.is_cut.sum())))
+    np.testing.assert_allclose(every.u_mm, found.first_order_u_mm)
 
 
 def test_points_that_change_state_are_counted(tmp_path):

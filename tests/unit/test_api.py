@@ -99,7 +99,7 @@ def test_the_errors_along_a_path_say_which_effects_they_lack(tmp_path):
 
 
 def test_an_unknown_model_is_refused_with_its_name(tmp_path):
-    with pytest.raises(ValueError, match="model = 'hmt'; accepted: 'none', 'htm', 'abbe'"):
+    with pytest.raises(ValueError, match="model = 'hmt'; accepted: none, htm, abbe"):
         vmach.path_errors(write_job(tmp_path), model="hmt")
 
 

@@ -65,7 +65,7 @@ def test_a_form_names_the_states_that_were_hidden(tmp_path):
 
 def test_of_many_readings_some_are_looked_through(pushed_job, monkeypatch):
     """Every other reading leads to the same form, fitted to all of them."""
-    monkeypatch.setattr("vmach.diagnosis.proposals.forms._LOOKED_THROUGH", 180)
+    monkeypatch.setattr("vmach.diagnosis.proposals.leading_forms._LOOKED_THROUGH", 180)
     survey = survey_job(pushed_job)
     assert len(survey) == 360
     first = diagnose(survey).proposals[0]
@@ -179,13 +179,13 @@ def test_a_form_comes_with_the_test_that_would_refute_it(pushed_job, tmp_path):
 
 def test_every_state_has_a_test_that_would_refute_it(pushed_job):
     survey = survey_job(pushed_job)
-    for state in states_of(survey.job, survey.paths[0]):
+    for state in states_of(survey.paths[0]):
         assert refuting_test(state)
 
 
 def form_of(words, path, job):
     """The form of a state of these words into X, proposed with 4 um."""
-    (state,) = [s for s in states_of(job, path) if s.words == words]
+    (state,) = [s for s in states_of(path) if s.words == words]
     form = Form(state, CONSTANT, DIRECTIONS[0])
     return Proposal(form, {"amount_um": 4.0}, {"amount_um": 0.4}, 2.0, 50.0, 0.1, (2.0, 0.6))
 
@@ -243,11 +243,11 @@ def test_forms_are_looked_through_as_they_are_fitted_where_zeros_were_touched(tm
 
 
 def test_forms_without_room_are_weighed_once_at_each_look(pushed_job, monkeypatch):
-    monkeypatch.setattr("vmach.diagnosis.proposals.forms._AT_ONCE", 50)
+    monkeypatch.setattr("vmach.diagnosis.proposals.leading_forms._AT_ONCE", 50)
     weighing = prepare_weighing(survey_job(pushed_job))
     forms = Forms(weighing, weighing.nothing())
-    monkeypatch.setattr("vmach.diagnosis.proposals.forms._ROOM", 120 * len(weighing.survey))
-    looks = [[form for some, _ in forms._weighed() for form in some] for _ in range(3)]
+    monkeypatch.setattr("vmach.diagnosis.proposals.leading_forms._ROOM", 120 * len(weighing.survey))
+    looks = [[form for some, _ in forms._leading._weighed() for form in some] for _ in range(3)]
     assert len(looks[0]) > 150
     assert looks[1] == looks[0] and looks[2] == looks[0]
 
@@ -273,4 +273,4 @@ def test_of_forms_that_cannot_be_told_apart_the_simplest_is_tried(pushed_job, ga
         "product": listed["direction of X x warm-up within 75 s, along Y"],
         "plain": listed["direction of X, along Y"],
     }
-    assert forms._most_probable([*either.values()], np.array(gains), 6) == [either[told]]
+    assert forms._leading._most_probable([*either.values()], np.array(gains), 6) == [either[told]]

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from vmach.api.points import _variant
 from vmach.api.records import Rows
 from vmach.base.note import Note
 from vmach.base.units import um_from_mm
 from vmach.job import Job
 from vmach.machine import Variant
+from vmach.machine.variant_name import variant_called
 from vmach.report.result import InspectedPoints
 from vmach.run.pipeline import inspect_part
 
@@ -79,7 +79,7 @@ def compare(job: Job | str | Path, *, models: Sequence[str] = _ALL) -> ModelComp
     >>> sorted(vmach.compare(job).deviation_um)
     ['abbe', 'htm', 'none']
     """
-    variants = tuple(map(_variant, models))
+    variants = tuple(map(variant_called, models))
     found = inspect_part(job, variants=variants, prefer_measured=True)
     return _comparison(found.points, found.notes)
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from vmach.api.points import _variant
 from vmach.errors import InputError
 from vmach.features.result import FeatureResult
 from vmach.job import Job, read_job
 from vmach.machine import Variant
+from vmach.machine.variant_name import variant_called
 from vmach.run.pipeline import machine_part
 
 __all__ = ["evaluate_features"]
@@ -43,7 +43,7 @@ def evaluate_features(
     >>> first.feature, first.characteristic, str(first.values["abbe"].verdict)
     ('centre hole', 'cylindricity', 'conforms')
     """
-    read, variant = read_job(job), _variant(model)
+    read, variant = read_job(job), variant_called(model)
     made = machine_part(read, model=variant, variants=(variant,), prefer_measured=True, solid=False)
     if not made.features:
         raise InputError(

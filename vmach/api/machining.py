@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from vmach.api.points import _variant
 from vmach.base.units import mm_from_um
 from vmach.compensation.compensate import Compensation
 from vmach.compensation.compensate import compensate as compensate_job
@@ -20,6 +19,7 @@ from vmach.iso230 import Evaluation, evaluate
 from vmach.job import Job, read_job
 from vmach.machine import Machine, Variant
 from vmach.machine.tables.runs import Runs
+from vmach.machine.variant_name import variant_called
 from vmach.plausibility import admitted_machine
 from vmach.volumetric.field import Volume, error_field, measured_volume
 from vmach.volumetric.volumetric import VolumetricAccuracy, assess
@@ -78,7 +78,7 @@ def compensate(
     return compensate_job(
         read,
         read_effects(read.effects, file=read.path, job=read),
-        variant=_variant(model),
+        variant=variant_called(model),
         resolution_mm=resolution_mm,
         tolerance_mm=mm_from_um(tolerance_um),
         limit_mm=mm_from_um(limit_um),
@@ -144,7 +144,7 @@ def accuracy(
         low, high = np.asarray(volume_mm, dtype=float).T
         space = Volume(low, high, grid)
     tool_mm = np.array([0.0, 0.0, -tool_length_mm])
-    return assess(error_field(known, space, tool_mm, _variant(model)))
+    return assess(error_field(known, space, tool_mm, variant_called(model)))
 
 
 def control_tables(
@@ -183,7 +183,7 @@ def control_tables(
     >>> made.after.rms_mm < made.before.rms_mm
     True
     """
-    variant, tolerance_mm = _variant(model), mm_from_um(tolerance_um)
+    variant, tolerance_mm = variant_called(model), mm_from_um(tolerance_um)
     if isinstance(what, Machine):
         task = task_of_machine(
             what, variant, tool_length_mm=tool_length_mm, tolerance_mm=tolerance_mm

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from vmach.api.points import _variant
 from vmach.api.records import Rows
 from vmach.base.note import Note
 from vmach.base.units import um_from_mm
 from vmach.job import Job
 from vmach.machine import Variant
+from vmach.machine.variant_name import variant_called
 from vmach.prediction.tip_errors import tip_errors
 
 __all__ = ["PathErrors", "path_errors"]
@@ -71,7 +71,7 @@ def path_errors(job: Job | str | Path, *, model: str = Variant.ABBE) -> PathErro
     >>> found.error_um.shape == found.nose_mm.shape == (len(found), 3)
     True
     """
-    found = tip_errors(job, _variant(model))
+    found = tip_errors(job, variant_called(model))
     states = found.states
     return PathErrors(
         line=states.line.astype(np.int64),

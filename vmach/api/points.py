@@ -12,6 +12,7 @@ from vmach.base.note import Note
 from vmach.base.units import um_from_mm
 from vmach.job import Job
 from vmach.machine import Variant
+from vmach.machine.variant_name import variant_called
 from vmach.nominal.points import SurfacePoints
 from vmach.prediction.error_budget import error_budget
 from vmach.prediction.prediction import Prediction
@@ -156,16 +157,10 @@ def predict(
     >>> found.deviation_um.round(2), found.line, found.status
     (array([1.08]), array([175]), array(['cut'], dtype='<U11'))
     """
-    found, prediction = predict_points(job, points, program_path=program, variant=_variant(model))
+    found, prediction = predict_points(
+        job, points, program_path=program, variant=variant_called(model)
+    )
     return _deviations(found, prediction)
-
-
-def _variant(model: str) -> Variant:
-    try:
-        return Variant(model)
-    except ValueError:
-        known = ", ".join(repr(str(one)) for one in Variant)
-        raise ValueError(f"model = {model!r}; accepted: {known}") from None
 
 
 def _deviations(points: SurfacePoints, prediction: Prediction) -> PointDeviations:

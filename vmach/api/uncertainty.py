@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from vmach.api.points import _variant
 from vmach.api.records import Rows
 from vmach.base.note import Note
 from vmach.base.units import um_from_mm
 from vmach.job import Job
 from vmach.machine import Machine, Variant
+from vmach.machine.variant_name import variant_called
 from vmach.nominal.points import SurfacePoints
 from vmach.plausibility import admitted_machine
 from vmach.run.pipeline import predict_points
@@ -97,7 +97,9 @@ def predict_intervals(
     True
     """
     plan = Plan(digits=digits, coverage=coverage, most_draws=most_draws, seed=seed)
-    known, prediction = predict_points(job, points, program_path=program, variant=_variant(model))
+    known, prediction = predict_points(
+        job, points, program_path=program, variant=variant_called(model)
+    )
     found, again = draw_points(prediction, plan), recut(known, prediction, plan)
     cut = prediction.is_cut
 
@@ -157,6 +159,6 @@ def accuracy_interval(
     """
     known = machine if isinstance(machine, Machine) else admitted_machine(machine)
     plan = Plan(digits=digits, coverage=coverage, most_draws=most_draws, seed=seed)
-    tool_mm, variant = np.array([0.0, 0.0, -tool_length_mm]), _variant(model)
+    tool_mm, variant = np.array([0.0, 0.0, -tool_length_mm]), variant_called(model)
     field = error_field(known, measured_volume(known, grid), tool_mm, variant)
     return draw_accuracy(known, field, tool_mm, variant, plan)

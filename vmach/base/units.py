@@ -1,11 +1,11 @@
-"""The one place where units change: mm, rad and s inside, um, urad and degrees in files.
+"""The one place where units change: mm, rad and s inside, um, urad and mm/min in files.
 
-Each function takes a number or an array and returns the same, scaled.
+Each function takes a number or an array and returns the same, scaled. For degrees NumPy has
+`np.radians` and `np.degrees`.
 """
 
 from __future__ import annotations
 
-import math
 import re
 from typing import TYPE_CHECKING, TypeVar
 
@@ -16,18 +16,14 @@ if TYPE_CHECKING:
     Numbers = TypeVar("Numbers", float, np.ndarray)
 
 __all__ = [
-    "deg_from_rad",
     "mm_from_um",
-    "mm_per_min_from_mm_per_s",
     "mm_per_s_from_mm_per_min",
-    "rad_from_deg",
     "rad_from_urad",
     "um_from_mm",
     "urad_from_rad",
     "with_micro_sign",
 ]
 
-_DEG_PER_RAD = 180.0 / math.pi
 _PLAIN_MICRO = re.compile(r"(?<![\w./-])u(?=(m|rad)\b(?!\.\w))")
 
 
@@ -51,24 +47,9 @@ def urad_from_rad(angle_rad: Numbers) -> Numbers:
     return angle_rad * 1e6
 
 
-def rad_from_deg(angle_deg: Numbers) -> Numbers:
-    """Radians from degrees."""
-    return angle_deg / _DEG_PER_RAD
-
-
-def deg_from_rad(angle_rad: Numbers) -> Numbers:
-    """Degrees from radians."""
-    return angle_rad * _DEG_PER_RAD
-
-
 def mm_per_s_from_mm_per_min(feed_mm_per_min: Numbers) -> Numbers:
     """Speed in mm/s from a programmed feed in mm/min."""
     return feed_mm_per_min / 60.0
-
-
-def mm_per_min_from_mm_per_s(speed_mm_per_s: Numbers) -> Numbers:
-    """Feed in mm/min from a speed in mm/s."""
-    return speed_mm_per_s * 60.0
 
 
 def with_micro_sign(text: str) -> str:

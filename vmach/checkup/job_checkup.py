@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from gcode import ProgramError
+from vmach.base.units import um_from_mm
 from vmach.checkup.finding import Finding, Weight
 from vmach.checkup.machine_statements import machine_statements, reached_positions
 from vmach.checkup.program_needs import program_findings
@@ -212,6 +213,6 @@ def _assumed(path: Path, job: Any) -> Iterator[Finding]:
     inspection = said.get("inspection", {})
     if "tolerance_um" not in inspection and not said.get("tolerances"):
         yield assumed(
-            f"every face has the tolerance {1e3 * job.inspection.tolerance_mm:g} um",
+            f"every face has the tolerance {um_from_mm(job.inspection.tolerance_mm):g} um",
             "[tolerances], or tolerance_um in [inspection]",
         )

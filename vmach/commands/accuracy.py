@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -20,6 +21,7 @@ from vmach.commands.options import (
     Seed,
     Uncertainty,
     command_line,
+    draw_plan,
 )
 from vmach.files.atomic import atomic_folder, check_folder
 
@@ -79,31 +81,26 @@ def accuracy(
         report = accuracy_figures(known, field, comparison, tool_mm, model=model)
         if path is not None and profile is not None:
             report["profile"] = profile_figures(profile, path)
-        if uncertainty is UncertaintyMethod.MONTE_CARLO:
-            from vmach.uncertainty.monte_carlo import Plan
+        plan = draw_plan(uncertainty, digits, draws, seed)
+        if plan is not None:
             from vmach.uncertainty.volumetric import draw_accuracy
             from vmach.uncertainty.volumetric_figures import accuracy_drawn_figures
 
-            plan = Plan(digits=digits, most_draws=draws, seed=seed)
             drawn = draw_accuracy(known, field, tool_mm, model, plan, progress=progress)
             report["uncertainty"] = accuracy_drawn_figures(drawn)
         if out is not None:
+            # late: drawing takes a second to load
             from vmach.volumetric.cones import cone_volume
             from vmach.volumetric.page.page import accuracy_page
-            from vmach.volumetric.pictures import accuracy_pictures, dark_pictures, draw_profile
+            from vmach.volumetric.pictures import accuracy_pictures, dark_pictures
 
-            def drawn_now() -> dict[str, bytes]:
-                made = accuracy_pictures(known, field, comparison, tool_mm, model=model)
-                if path is not None:
-                    made["profile.png"] = draw_profile(
-                        path.distance_mm, path.error_mm, title="profile"
-                    )
-                return made
-
-            pictures = drawn_now()
-            with dark_pictures():
-                dark = drawn_now()
             coarse = error_field(known, cone_volume(space), tool_mm, model)
+            draw = partial(
+                accuracy_pictures, known, field, coarse, comparison, profile=path, model=model
+            )
+            pictures = draw()
+            with dark_pictures():
+                dark = draw()
             page = accuracy_page(report, coarse, pictures, dark_pictures=dark,
                                  command=command_line())  # fmt: skip
             _write(out, report, pictures, page)

@@ -59,8 +59,9 @@ def diagnose(
         print(rules_text())
         return
     from vmach.diagnosis.diagnose import diagnose as diagnose_survey
-    from vmach.diagnosis.report import as_text, words_of_add
+    from vmach.diagnosis.report import as_text
     from vmach.diagnosis.residuals.job_survey import survey_job
+    from vmach.diagnosis.results import FOLDER_FILES, read_nominal_mesh, write_diagnosis
     from vmach.job import read_job
 
     _load(effect_file)
@@ -69,13 +70,6 @@ def diagnose(
     inputs = input_files(read)
     check_outputs([json_file, next_path], inputs=inputs)
     if out is not None:
-        # late: drawing takes a second to load
-        from vmach.diagnosis.results import (
-            FOLDER_FILES,
-            read_nominal_mesh,
-            write_diagnosis,
-        )
-
         check_folder(out, FOLDER_FILES, inputs=inputs)
     tell_doubts(read)
     with progress_bar() as progress:
@@ -96,7 +90,7 @@ def diagnose(
     if add_all:
         _add_all(job, found)
     else:
-        _tell_how_to_go_on(job, found, words_of_add(found))
+        _tell_how_to_go_on(job, found)
     if found.next_program is not None and program is None:
         print("--next FILE writes the program of the measurement to do next")
     if next_path is not None:
@@ -155,9 +149,11 @@ def _add_all(job: Path, found: Diagnosis) -> None:
         print(f"go on from {rounds.job}, or from any job before it")
 
 
-def _tell_how_to_go_on(job: Path, found: Diagnosis, effects: str) -> None:
+def _tell_how_to_go_on(job: Path, found: Diagnosis) -> None:
     """The commands that add what is shown, and write a form for what is not."""
-    if effects:
+    from vmach.diagnosis.report import words_of_add
+
+    if effects := words_of_add(found):
         print(f"to add this to the model: vmach add {typed(job)} {effects}")
     if found.proposals:
         print(f"to write form 1 as an effect: vmach effects propose {typed(job)} -o my_effect.py")

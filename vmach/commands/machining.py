@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -34,6 +35,7 @@ from vmach.files.atomic import check_folder, check_outputs
 from vmach.files.together import together
 
 if TYPE_CHECKING:
+    from vmach.run.pipeline import MachinedPart
     from vmach.uncertainty.monte_carlo import Plan
 
 __all__ = ["compare", "run"]
@@ -115,23 +117,11 @@ def _machine(
     plan: Plan | None = None,
 ) -> None:
     from vmach.job import read_job
-    from vmach.report import (
-        arms_text,
-        circular_table,
-        columns_table,
-        differences_text,
-        features_table,
-    )
     from vmach.run.part_pictures import PartPictures
     from vmach.run.pipeline import machine_part
     from vmach.run.results import (
         ALL_FILES,
-        FEATURES_FILE,
-        REMAINDER_FILE,
-        RESULT_FILES,
-        SOLID_FILE,
         default_folder,
-        run_record,
         write_coloured_part,
         write_results,
     )
@@ -157,7 +147,27 @@ def _machine(
             )
     if as_json:
         print(json.dumps(figures, indent=1))
-        return
+    else:
+        _print_results(made, out, figures["run"]["warnings"])
+
+
+def _print_results(made: MachinedPart, out: Path, warnings: Sequence[str]) -> None:
+    """Tables and notes of a part, and which files lie in its folder."""
+    from vmach.report import (
+        arms_text,
+        circular_table,
+        columns_table,
+        differences_text,
+        features_table,
+    )
+    from vmach.run.results import (
+        FEATURES_FILE,
+        REMAINDER_FILE,
+        RESULT_FILES,
+        SOLID_FILE,
+        run_record,
+    )
+
     screen = console()
     record = run_record(made, command_line())
     screen.print(columns_table(made.points, record))
@@ -167,7 +177,7 @@ def _machine(
         screen.print(circles)
     for line in (*arms_text(made.points, record), *differences_text(record)):
         screen.print(line, highlight=False, markup=False)
-    for note in figures["run"]["warnings"]:
+    for note in warnings:
         screen.print(f"note: {note}", highlight=False, markup=False)
     files = [name for name in RESULT_FILES if made.part is not None or name != SOLID_FILE]
     files += [REMAINDER_FILE] if made.points.remainders else []

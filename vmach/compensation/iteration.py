@@ -101,7 +101,8 @@ class Iteration:
                 "a position that the program does not state",
                 file=self.preparation.program.path,
                 line=int(self.expansion.user_line(moves.line[move])),
-                accepted="arcs of at most 181 degrees, which need not be divided",
+                accepted=f"arcs of at most {np.degrees(LARGEST_SWEEP_RAD):g} degrees, which need "
+                "not be divided",
                 hint="name X, Y and Z in blocks before it",
             )
         self.stuck = np.zeros((len(moves), 3), bool)

@@ -101,7 +101,7 @@ def _jointly(
 
     def can_imitate(candidates: Sequence[Candidate]) -> bool:
         span = [candidate.signatures_mm[:, 0, :] for candidate in candidates]
-        return bool(span) and _can_imitate(np.hstack(span), weighing, others, fit.explained_mm(k))
+        return bool(span) and _can_imitate(np.hstack(span), others, fit.explained_mm(k))
 
     rest = [c for c in weighing.candidates if c.effect.is_never_exact]
     found = []
@@ -130,14 +130,13 @@ def _at_once(
         if effect.is_sudden and effect is not own.effect:
             span = weighing.survey.signature(effect, target, own.inner)
             least = [0.0 if p.is_size else -np.inf for p in effect.amplitudes]
-            if _can_imitate(span, weighing, others, explanation.fit.explained_mm(k), least=least):
+            if _can_imitate(span, others, explanation.fit.explained_mm(k), least=least):
                 found.append(effect.name)
     return found
 
 
 def _can_imitate(
     span: np.ndarray,
-    weighing: Weighing,
     others: Explanation,
     explained_mm: np.ndarray,
     *,

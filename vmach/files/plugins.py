@@ -83,7 +83,13 @@ def classes_in(module: ModuleType, base: type[Kind]) -> list[type[Kind]]:
 
 
 def offered(group: str, *, accepted: str) -> Iterator[tuple[EntryPoint, object]]:
-    """The entry points of a group by their names, with what they load."""
+    """The entry points of a group by their names, with what they load.
+
+    Raises
+    ------
+    InputError
+        One of them cannot be loaded.
+    """
     for entry in sorted(entry_points(group=group), key=lambda entry: entry.name):
         try:
             yield entry, entry.load()

@@ -143,6 +143,11 @@ def read_toml_and_text(path: Path, schema: type[Section], *, what: str) -> tuple
     """Like `read_toml`, with the text in which `line_of_key` finds what is complained of later.
 
     The file is read once, so that both are of the same state of it.
+
+    Raises
+    ------
+    InputError
+        The file is missing, no TOML, or not what its schema asks for.
     """
     text = read_text(path, what=what, largest_bytes=_LARGEST_TOML_BYTES)
     try:

@@ -94,7 +94,7 @@ def write_results_list(folder: Path, written: Iterable[Path], *, earlier: Path |
         With all its files, also those of earlier runs and of the user.
     written : iterable of Path
         Files below `folder` that are new.
-    earlier : Path, optional
+    earlier : Path or None
         The folder of results that this one takes the place of.
     """
     kept = _read(earlier / RESULTS_LIST) if earlier is not None else {}

@@ -27,7 +27,6 @@ __all__ = [
     "WIDTHS",
     "Evidence",
     "evidence_at_places",
-    "log_evidence",
     "width_of",
 ]
 
@@ -88,21 +87,6 @@ def _log_of_sum(logarithms: np.ndarray, starts: np.ndarray) -> np.ndarray:
     count = np.diff([*starts, len(logarithms)])
     relative = np.exp(logarithms - np.repeat(largest, count, axis=0))
     return largest + np.log(np.add.reduceat(relative, starts))
-
-
-def log_evidence(columns: np.ndarray, readings: np.ndarray, log_prior: np.ndarray) -> Evidence:
-    """Evidence of a single candidate, one row.
-
-    Parameters
-    ----------
-    columns : (n, G, K) float64
-        Whitened signatures of the usual sizes of K coefficients at G places.
-    readings : (n, S) float64
-    log_prior : (G,) float64
-        Logarithm of the weight of each place; the weights add up to one.
-    """
-    rows = columns.transpose(1, 2, 0)
-    return evidence_at_places(rows @ rows.transpose(0, 2, 1), rows @ readings, [log_prior])
 
 
 def width_of(coefficients: np.ndarray) -> float:

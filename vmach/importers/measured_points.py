@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vmach.base.units import um_from_mm
 from vmach.importers.importer import Imported, Section
 from vmach.importers.questions import Questions
 from vmach.importers.source_file import SourceFile
@@ -64,10 +65,11 @@ def points_file(points: Points, source: SourceFile, told: Sequence[str] = ()) ->
     for name, feature, row in zip(points.id, points.feature, columns, strict=True):
         lines.append(f"{_word(name)},{_word(feature)}," + ",".join(f"{v + 0.0:.9g}" for v in row))
     file = f"{source.path.stem}_points.csv"
-    apart = np.einsum("ij,ij->i", points.measured_mm - points.nominal_mm, points.normal)
+    apart_mm = np.einsum("ij,ij->i", points.measured_mm - points.nominal_mm, points.normal)
+    apart_um = um_from_mm(apart_mm)
     said = (
         f"{source.path.name}: {len(lines) - 1} points, deviations "
-        f"{1e3 * apart.min():.1f} .. {1e3 * apart.max():.1f} um, mean {1e3 * apart.mean():.1f} um"
+        f"{apart_um.min():.1f} .. {apart_um.max():.1f} um, mean {apart_um.mean():.1f} um"
     )
     section = Section("job", "", {"measured": file})
     return Imported({file: "\n".join(lines) + "\n"}, (section,), (said, *told))

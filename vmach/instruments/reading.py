@@ -46,9 +46,7 @@ from vmach.prediction import ActingEffect, displacement_of, of_machine
 __all__ = ["read_instruments", "settings_of"]
 
 
-def read_instruments(
-    job: Job, *, variant: Variant = Variant.ABBE, effects: Sequence[ActingEffect] = ()
-) -> tuple[Measurement, ...]:
+def read_instruments(job: Job, *, effects: Sequence[ActingEffect] = ()) -> tuple[Measurement, ...]:
     """The ``[[measurements]]`` of a job, each with what the model predicts for it.
 
     Raises
@@ -57,7 +55,7 @@ def read_instruments(
         Unknown kind or key, missing file or column, a value that is no number, another unit.
     """
     found: list[Measurement] = []
-    model = _Model(job, variant, effects)
+    model = _Model(job, effects)
     for number in range(len(job.measurements)):
         settings = settings_of(job, number)
         path = job.folder / settings.file
@@ -88,8 +86,8 @@ def _alternatives(settings: Instrument, table: Columns, model: _Model) -> Iterat
 class _Model:
     """Displacement of the tool at the states of a test."""
 
-    def __init__(self, job: Job, variant: Variant, effects: Sequence[ActingEffect]) -> None:
-        self.job, self._variant, self._effects = job, variant, effects
+    def __init__(self, job: Job, effects: Sequence[ActingEffect]) -> None:
+        self.job, self._effects = job, effects
         self.travel_mm = np.asarray(job.machine.travel_mm)
         self.rapid_mm_per_min = job.machine.motion.rapid_mm_per_min
 
@@ -100,7 +98,7 @@ class _Model:
 
     def of(self, machine: Machine) -> _Model:
         """The same job on a machine with other tables."""
-        other = _Model(replace(self.job, machine=machine), self._variant, self._effects)
+        other = _Model(replace(self.job, machine=machine), self._effects)
         if "preparation" in vars(self):  # the program's moves do not depend on them
             vars(other)["preparation"] = replace(self.preparation, job=other.job)
         return other
@@ -108,9 +106,9 @@ class _Model:
     def moved_mm(self, states: PathStates) -> np.ndarray:
         """Displacement of the tool's point of interest at P states, (P, 3) mm."""
         if states.normal is None:  # of the machine itself, whatever zero the part counts from
-            moved = of_machine(self.job.machine, states, self._variant, self._effects)
+            moved = of_machine(self.job.machine, states, Variant.ABBE, self._effects)
         else:
-            moved = displacement_of(self.preparation, states, self._variant, self._effects)
+            moved = displacement_of(self.preparation, states, Variant.ABBE, self._effects)
         seen = states.seen_mm(moved)
         for effect in self._effects if states.normal is not None else ():
             seen = seen + effect.at_surface(states)

@@ -14,7 +14,7 @@ __all__ = ["change_paths", "path_keys"]
 ANY = "*"
 
 
-def path_keys(schema: type[FileSection] = JobSchema) -> tuple[tuple[str, ...], ...]:
+def path_keys() -> tuple[tuple[str, ...], ...]:
     """Keys that lead to the name of a file or a folder; ``*`` stands for any key or entry.
 
     Examples
@@ -23,7 +23,7 @@ def path_keys(schema: type[FileSection] = JobSchema) -> tuple[tuple[str, ...], .
     >>> [".".join(keys) for keys in path_keys()][:3]
     ['machine', 'program', 'control.subprograms']
     """
-    return tuple(_of_section(schema))
+    return tuple(_of_section(JobSchema))
 
 
 def _of_section(schema: type[FileSection]) -> Iterator[tuple[str, ...]]:

@@ -37,16 +37,16 @@ def surface_of_face(face: Face, points: np.ndarray, normals: np.ndarray) -> Surf
         return Surface("plane", surface.frame.origin, sign * surface.frame.axes[2])
     if not isinstance(surface, Cylinder | Cone | Sphere | Torus):
         return _free(points, normals)
-    if isinstance(surface, Torus) and surface.major < surface.minor:
+    if isinstance(surface, Torus) and surface.major_mm < surface.minor_mm:
         return _free(points, normals)  # its tube crosses the axis; the face may be on either side
     frame = surface.frame
     place, axis = frame.origin, frame.axes[2]
     if isinstance(surface, Torus):
-        return Surface("torus", place, axis, surface.major, tube_mm=surface.minor, sign=sign)
+        return Surface("torus", place, axis, surface.major_mm, tube_mm=surface.minor_mm, sign=sign)
     if isinstance(surface, Cone):
-        return Surface("cone", place, axis, surface.radius, surface.half_angle, sign=sign)
+        return Surface("cone", place, axis, surface.radius_mm, surface.half_angle_rad, sign=sign)
     kind = "cylinder" if isinstance(surface, Cylinder) else "sphere"
-    return Surface(kind, place, axis, surface.radius, sign=sign)
+    return Surface(kind, place, axis, surface.radius_mm, sign=sign)
 
 
 def surface_of_points(kind: str, points: np.ndarray, normals: np.ndarray) -> Surface:

@@ -15,6 +15,7 @@ import numpy as np
 
 from stock import Tool
 from vmach.base.alike_rows import alike_rows
+from vmach.base.rows import with_rows
 from vmach.machine import Variant
 from vmach.path.preparation import Preparation
 from vmach.path.toolpath import PathStates
@@ -147,34 +148,23 @@ def _with(found: Prediction, rows: np.ndarray, other: Prediction) -> Prediction:
     good = other.is_cut & (np.abs(other.deviation_mm - found.deviation_mm[rows]) < _SAME_MM)
     taken, own = rows[good], np.flatnonzero(good)
 
-    def filled(values: np.ndarray, new: np.ndarray) -> np.ndarray:
-        values = values.copy()
-        values[taken] = new[own]
-        return values
-
     edges = replace(
         found.edges,
         **{
-            name: filled(getattr(found.edges, name), getattr(other.edges, name))
+            name: with_rows(getattr(found.edges, name), taken, getattr(other.edges, name)[own])
             for name in ("deviation_mm", "status", "sweep", "parameter", "contact_mm")
         },
     )
-    deviation = filled(found.deviation_mm, other.deviation_mm)
+    deviation = with_rows(found.deviation_mm, taken, other.deviation_mm[own])
     return replace(found, edges=edges, deviation_mm=deviation)
 
 
 def _merged(known: PathStates, found: Prediction) -> PathStates:
     """Contacts that were found, and known ones for points that have none."""
     cut, new = np.flatnonzero(found.is_cut), found.states
-
-    def filled(values: np.ndarray, of_cut: np.ndarray) -> np.ndarray:
-        values = values.copy()
-        values[cut] = of_cut
-        return values
-
     return replace(
         known,
-        move=filled(known.move, new.move),
-        parameter=filled(known.parameter, new.parameter),
-        contact_mm=filled(known.contact_mm, new.contact_mm),
+        move=with_rows(known.move, cut, new.move),
+        parameter=with_rows(known.parameter, cut, new.parameter),
+        contact_mm=with_rows(known.contact_mm, cut, new.contact_mm),
     )

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from stock import Edges, EdgeStatus, Sweeps, find_generating
+from vmach.base.rows import with_rows
 from vmach.machine import RigidDisplacement, Variant
 from vmach.nominal.points import SurfacePoints
 from vmach.path.preparation import Preparation
@@ -180,17 +181,12 @@ def _generated(
     tips = sweeps.nominal_tip_at(found.sweep[near], found.parameter[near])
     own = np.einsum("ij,ij->i", tips + found.contact_mm[near] - points_mm[rows], normals[rows])
 
-    def filled(values: np.ndarray, new: np.ndarray | int) -> np.ndarray:
-        values = values.copy()
-        values[rows] = new
-        return values
-
     return Edges(
-        deviation_mm=filled(edges.deviation_mm, own),
-        status=filled(edges.status, EdgeStatus.CUT),
-        sweep=filled(edges.sweep, found.sweep[near]),
-        parameter=filled(edges.parameter, found.parameter[near]),
-        contact_mm=filled(edges.contact_mm, found.contact_mm[near]),
+        deviation_mm=with_rows(edges.deviation_mm, rows, own),
+        status=with_rows(edges.status, rows, EdgeStatus.CUT),
+        sweep=with_rows(edges.sweep, rows, found.sweep[near]),
+        parameter=with_rows(edges.parameter, rows, found.parameter[near]),
+        contact_mm=with_rows(edges.contact_mm, rows, found.contact_mm[near]),
     ), overcut
 
 

@@ -161,6 +161,11 @@ def inspected_points(
     Predicted deviations are aligned as the job asks. Measured ones, where the points have them,
     are aligned by best fit to the last prediction, since a part's pose on the CMM is arbitrary;
     for every variant the RMS of measured minus predicted after its own best fit is given.
+
+    Raises
+    ------
+    InputError
+        The points do not allow the alignment that the job asks for.
     """
     notes: list[Note] = []
     try:

@@ -208,7 +208,6 @@ def inspect_part(
     variants: Sequence[Variant] = (Variant.NONE, Variant.ABBE),
     prefer_measured: bool = False,
     plan: Plan | None = None,
-    clock: StageClock | None = None,
 ) -> PartInspection:
     """Inspect the part that a job makes: deviations of its surface, without a solid.
 
@@ -221,14 +220,12 @@ def inspect_part(
         Inspect the measured points of the job, where it has them, and not the nominal CAD.
     plan : Plan, optional
         Draws for the values that the drawing asks for; to first order where left out.
-    clock : StageClock, optional
-        Told of the stages.
 
     Raises
     ------
     InputError, gcode.ProgramError, stock.StockError
     """
-    clock = clock or StageClock(silent)
+    clock = StageClock(silent)
     ready = _displaced(job_path, variants, clock)
     return _inspected(ready, variants, plan, clock, prefer_measured=prefer_measured)
 

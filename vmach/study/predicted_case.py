@@ -15,6 +15,7 @@ from vmach.base.variant import Variant
 from vmach.effects import read_effects
 from vmach.errors import InputError
 from vmach.job import read_job
+from vmach.machine.variant_name import variant_called
 from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.path.preparation import Preparation, prepare
 from vmach.plausibility import admitted_machine
@@ -48,7 +49,7 @@ def predicted_case(case: Case, random: np.random.Generator) -> dict[str, Any]:
     machine = case.file("machine") if "machine" in values else None
     preparation = _preparation(case.file("job"), program, machine)
     points, job = _points(case.file("points")), preparation.job
-    variant = _variant(values.get("model", Variant.ABBE))
+    variant = variant_called(values.get("model", Variant.ABBE))
     effects = list(read_effects(job.effects, file=job.path, job=job))
     if "draw" in values and variant is not Variant.NONE:
         steps = drawn_steps(effects, case.entropy)
@@ -106,13 +107,6 @@ def _is_there(path: Path, name: str) -> bool:
 
 
 predicted_case.check_values = _check_values  # type: ignore[attr-defined]
-
-
-def _variant(text: object) -> Variant:
-    try:
-        return Variant(text)
-    except ValueError:
-        raise InputError(f"model = {text!r}", accepted=", ".join(Variant)) from None
 
 
 @lru_cache(_KEPT)

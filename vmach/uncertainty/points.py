@@ -25,7 +25,6 @@ __all__ = [
     "parameters_part",
     "point_corrections",
     "point_parts",
-    "prediction_corrections",
 ]
 
 #: points whose corrections are looked at together; a few hundred causes each
@@ -90,11 +89,6 @@ def draw_points(prediction: Prediction, plan: Plan, *, progress: Progress = sile
         _joined_shares(shares, [len(one) for one in u]),
         plan,
     )
-
-
-def prediction_corrections(prediction: Prediction) -> Corrections:
-    """Corrections of all points that were cut, for figures that take several points."""
-    return point_corrections(prediction, np.arange(int(prediction.is_cut.sum())))
 
 
 def point_corrections(prediction: Prediction, rows: np.ndarray) -> Corrections:

@@ -20,6 +20,8 @@ from vmach.volumetric.field import Volume
 
 __all__ = ["Diagonal", "diagonals"]
 
+_TARGETS = 21  #: target positions along each diagonal
+
 
 @dataclass(frozen=True)
 class Diagonal:
@@ -44,7 +46,7 @@ class Diagonal:
 
 
 def diagonals(
-    machine: Machine, volume: Volume, tool_mm: np.ndarray, variant: Variant, *, targets: int = 21
+    machine: Machine, volume: Volume, tool_mm: np.ndarray, variant: Variant
 ) -> tuple[Diagonal, ...]:
     """The four body diagonals and the six face diagonals (through the middle of the volume).
 
@@ -54,8 +56,6 @@ def diagonals(
     volume : Volume
     tool_mm : (3,) float64
     variant : Variant
-    targets : int
-        Points along each diagonal.
     """
     # each line once: the first axis that moves goes up
     signs = [np.array([1.0, y, z]) for y in (1.0, -1.0) for z in (1.0, -1.0)]
@@ -68,7 +68,7 @@ def diagonals(
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     found = []
     for sign in signs:
-        line = np.linspace(middle - sign * half, middle + sign * half, targets)
+        line = np.linspace(middle - sign * half, middle + sign * half, _TARGETS)
         result = _along(machine, line, tool_mm, variant)
         found.append(Diagonal(_name(sign), line[0], line[-1], result))
     return tuple(found)

@@ -17,9 +17,10 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from vmach.base.units import um_from_mm
 from vmach.machine import Machine, Variant
 from vmach.volumetric.comparison import Comparison
-from vmach.volumetric.cones import SIDES, cone_mesh, cone_step_mm, cone_volume
-from vmach.volumetric.field import ErrorField, error_field
+from vmach.volumetric.cones import SIDES, cone_mesh, cone_step_mm
+from vmach.volumetric.field import ErrorField
 from vmach.volumetric.histogram import difference_histogram
+from vmach.volumetric.profile import ProfileErrors
 from vmach.volumetric.volumetric import assess
 
 __all__ = [
@@ -47,21 +48,27 @@ def dark_pictures() -> Iterator[None]:
 
 
 def accuracy_pictures(
-    machine: Machine, field: ErrorField, comparison: Comparison | None,
-    tool_mm: np.ndarray, *, model: Variant,
-) -> dict[str, bytes]:  # fmt: skip
-    """Every picture of a machine's accuracy with a tool (3,) mm, by file name, PNG."""
+    machine: Machine,
+    field: ErrorField,
+    coarse: ErrorField,
+    comparison: Comparison | None,
+    *,
+    profile: ProfileErrors | None,
+    model: Variant,
+) -> dict[str, bytes]:
+    """Every picture of a machine's accuracy, by file name, PNG; cones are drawn of `coarse`."""
     largest = assess(field).largest_difference_mm
     edges, counts, _ = difference_histogram(field.error_mm, largest)
-    coarse = cone_volume(field.volume)
     pictures = {
         "histogram.png": draw_histogram(field.magnitude_mm, edges, counts, largest_mm=largest),
-        "cones.png": draw_cones(
-            error_field(machine, coarse, tool_mm, model), title=f"{machine.name}, arms: {model}"
-        ),
+        "cones.png": draw_cones(coarse, title=f"{machine.name}, arms: {model}"),
     }
     if comparison is not None:
         pictures["htm_abbe.png"] = draw_maps(comparison, title=machine.name)
+    if profile is not None:
+        pictures["profile.png"] = draw_profile(
+            profile.distance_mm, profile.error_mm, title="profile"
+        )
     return pictures
 
 

@@ -15,7 +15,6 @@ __all__ = ["framed", "number_of", "read_content", "read_json", "session_of"]
 
 #: bytes of JSON that the page may send
 _MOST_JSON = 1_000_000
-_DEPTH = 20
 
 
 def session_of(request: Request) -> Session:

@@ -24,7 +24,7 @@ def launch(
 
     Parameters
     ----------
-    job : Path, optional
+    job : Path or None
         The job to open; without one the page begins with a choice.
     port : int
         0 for any that is free.

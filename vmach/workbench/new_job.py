@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from vmach.base.finite_number import is_number
 from vmach.errors import InputError
 from vmach.files.toml_text import quoted
 
@@ -73,8 +73,7 @@ def _three(told: Mapping[str, Any], key: str) -> str:
 
 
 def _number(value: Any, what: str) -> str:
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not is_number or not math.isfinite(value) or abs(value) > _LARGEST_MM:
+    if not is_number(value, _LARGEST_MM):
         said = f"{what} is missing" if value is None else f"{what} = {value!r}"
         raise InputError(said, accepted="a number in mm")
     return repr(value)

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 
 from gcode.dialects.fanuc.macro.expressions import MacroReader, Variables, is_null
 from gcode.errors import ProgramError
+from gcode.language.translate import number
+from gcode.state.block_values import whole
 from gcode.text.expressions import value_of
 
 __all__ = ["MacroBlock", "read_words"]
@@ -42,6 +44,16 @@ class MacroBlock:
     pointless: set[str] = field(default_factory=set)
     corner: tuple[str, float] | None = None
 
+    def add(self, letter: str, value: float, *, has_point: bool) -> None:
+        """Add a word that is neither G nor M."""
+        self.words[letter] = value
+        self.all_words.append((letter, value))
+        self.has_point.append(has_point)
+        if has_point:
+            self.pointless.discard(letter)
+        else:
+            self.pointless.add(letter)
+
     def has(self, *codes: float) -> bool:
         """Whether one of some G codes stands in the block."""
         return any(code in self.g for code in codes)
@@ -60,13 +72,8 @@ class MacroBlock:
     def text(self) -> str:
         """The block in RS274/NGC."""
         codes = [f"g{code:g}" for code in self.g]
-        words = [f"{letter}{_number(value)}" for letter, value in self.words.items()]
+        words = [f"{letter}{number(value)}" for letter, value in self.words.items()]
         return "".join([*codes, *words, *(f"m{code}" for code in self.m)])
-
-
-def _number(value: float) -> str:
-    text = repr(float(value))
-    return text if "e" not in text else f"{value:.20f}"
 
 
 def read_words(text: str, variables: Variables) -> MacroBlock:
@@ -104,20 +111,7 @@ def read_words(text: str, variables: Variables) -> MacroBlock:
         elif letter == "g":
             block.g.append(round(value, 1))
         elif letter == "m" and not block.has(*_CALLS):
-            block.m.append(_whole(value, "M code"))
+            block.m.append(whole(value, "M code"))
         elif letter != "n":
-            block.words[letter] = value
-            block.all_words.append((letter, value))
-            block.has_point.append(not literal.lstrip("+-").isdigit())
-            if block.has_point[-1]:
-                block.pointless.discard(letter)
-            else:
-                block.pointless.add(letter)
+            block.add(letter, value, has_point=not literal.lstrip("+-").isdigit())
     return block
-
-
-def _whole(value: float, what: str) -> int:
-    nearest = math.floor(value + 0.5)
-    if abs(value - nearest) > 1e-4:
-        raise ProgramError(f"{what} {value:g} is not a whole number")
-    return nearest

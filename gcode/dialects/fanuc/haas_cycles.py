@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from gcode.dialects.fanuc.block import MacroBlock
 from gcode.errors import ProgramError
-from gcode.language.translate import number
+from gcode.language.translate import number, xy_words
 from gcode.state.block_values import whole
 
 if TYPE_CHECKING:
@@ -88,13 +88,13 @@ def _circles(centre: tuple[float, float], radii: list[float], *, clockwise: bool
     for radius in radii:
         half = (radius + at) / 2.0  # from the far side of the circle before
         if at:
-            yield f"{code}x{number(x - at)}y{number(y)}i{number(-at)}j0"
-            yield f"{code}x{number(x + radius)}y{number(y)}i{number(half)}j0"
+            yield f"{code}{xy_words(x - at, y)}i{number(-at)}j0"
+            yield f"{code}{xy_words(x + radius, y)}i{number(half)}j0"
         else:
-            yield f"{code}x{number(x + radius)}y{number(y)}i{number(radius / 2.0)}j0"
-        yield f"{code}x{number(x + radius)}y{number(y)}i{number(-radius)}j0"
+            yield f"{code}{xy_words(x + radius, y)}i{number(radius / 2.0)}j0"
+        yield f"{code}{xy_words(x + radius, y)}i{number(-radius)}j0"
         at = radius
-    yield f"{code}x{number(x)}y{number(y)}i{number(-at / 2.0)}j0"
+    yield f"{code}{xy_words(x, y)}i{number(-at / 2.0)}j0"
 
 
 def _holes(runner: BlockRunner, block: MacroBlock, code: float) -> None:

@@ -19,7 +19,7 @@ from gcode.dialects.heidenhain.parameters import NUMBER
 from gcode.dialects.heidenhain.tool_call import tool_of_spindle
 from gcode.errors import ProgramError
 from gcode.geometry.arcs import Point
-from gcode.language.translate import number
+from gcode.language.translate import number, xy_words
 
 if TYPE_CHECKING:
     from gcode.dialects.heidenhain.reader import KlartextReader
@@ -122,13 +122,13 @@ def approach(reader: KlartextReader, content: str) -> None:
     rapid = "FMAX" in said.words
     reader.execute(
         *said.before,
-        ("g0" if rapid else "g1") + f"x{number(first[0])}y{number(first[1])}"
-        f"{level}" + reader.motion.feed_word(rapid),
+        f"{'g0' if rapid else 'g1'}{xy_words(first[0], first[1])}{level}"
+        f"{reader.motion.feed_word(rapid)}",
     )
     reader.execute(_piece(code, contact, centre, first))
     if side:
         tool = reader.controller.tool
-        reader.execute(f"g{41 if side > 0 else 42}d{tool}", f"g1x{number(end[0])}y{number(end[1])}")
+        reader.execute(f"g{41 if side > 0 else 42}d{tool}", f"g1{xy_words(end[0], end[1])}")
     reader.execute(*said.after)
 
 
@@ -166,7 +166,7 @@ def _touch(away: Point, centre: Point, radius: float, turn: float) -> Point:
 
 
 def _piece(code: int, end: Point, centre: Point | None, start: Point) -> str:
-    text = f"g{code}x{number(end[0])}y{number(end[1])}"
+    text = f"g{code}{xy_words(end[0], end[1])}"
     if centre is None:
         return text
     return text + f"i{number(centre[0] - start[0])}j{number(centre[1] - start[1])}"
@@ -195,10 +195,10 @@ def depart(reader: KlartextReader, content: str) -> None:
         reader.motion.feed = said.words["F"]
     reader.execute(*said.before)
     if side:
-        reader.execute("g40", f"g1x{number(contact[0])}y{number(contact[1])}")
+        reader.execute("g40", f"g1{xy_words(contact[0], contact[1])}")
     reader.execute(_piece(code, first, centre, contact) + reader.motion.feed_word(False))
     if said.kind == "LCT":
-        reader.execute(f"g1x{number(end[0])}y{number(end[1])}z{number(end[2])}")
+        reader.execute(f"g1{xy_words(end[0], end[1])}z{number(end[2])}")
     elif end[2] != here[2]:
         reader.execute(f"g1z{number(end[2])}")
     reader.execute(*said.after)

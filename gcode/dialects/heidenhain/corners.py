@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from gcode.dialects.heidenhain.parameters import NUMBER
 from gcode.errors import ProgramError
 from gcode.geometry.corners import Piece, broken_corner
-from gcode.language.translate import number
+from gcode.language.translate import number, xy_words
 
 if TYPE_CHECKING:
     from gcode.dialects.heidenhain.reader import KlartextReader
@@ -37,7 +37,7 @@ class WaitingPiece:
     def block(self, end: tuple[float, float]) -> str:
         """The move to a place before its end."""
         code = {0: "g1", 1: "g3", -1: "g2"}[self.piece.sense]
-        text = f"{code}x{number(end[0])}y{number(end[1])}"
+        text = f"{code}{xy_words(end[0], end[1])}"
         if self.end[2] != self.start[2]:
             text += f"z{number(self.end[2])}"
         if self.piece.centre is not None:
@@ -92,7 +92,7 @@ class KlartextCorners:
         broken = broken_corner(held.piece, following, size, chamfer=kind == "CHF")
         begin, corners = held.end[:2], []
         if broken is not None:
-            begin, end = broken.begin, f"x{number(broken.end[0])}y{number(broken.end[1])}"
+            begin, end = broken.begin, xy_words(broken.end[0], broken.end[1])
             turn = f"g{3 if broken.sense > 0 else 2}{end}r{number(size)}"
             corners = [f"{turn}{feed}" if kind == "RND" else f"g1{end}{feed}"]
         with self.reader.controller.told_as(held.line):

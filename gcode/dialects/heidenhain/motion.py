@@ -18,7 +18,7 @@ from gcode.dialects.heidenhain.parameters import NUMBER
 from gcode.dialects.heidenhain.side_planes import XY, axes_of_pole, side_arc
 from gcode.errors import ProgramError
 from gcode.geometry.corners import Piece
-from gcode.language.translate import number
+from gcode.language.translate import number, xy_words
 from gcode.motion.tangent import centre_behind, tangent_centre
 
 if TYPE_CHECKING:
@@ -274,7 +274,7 @@ class KlartextMotion:
                 raise ProgramError("RND behind an arc of several turns", accepted="one turn")
             self._wait(piece, end)
             return ""
-        text = f"g{3 if sense > 0 else 2}x{number(end[0])}y{number(end[1])}"
+        text = f"g{3 if sense > 0 else 2}{xy_words(end[0], end[1])}"
         if end[2] != start[2]:
             text += f"z{number(end[2])}"
         if head == "CR" and not is_cut:
@@ -307,7 +307,7 @@ class KlartextMotion:
             x, y, sense = tangent_centre(c.record, start, end, c.unit_mm)
         turn = math.copysign(1.0, sense)
         self.tangent = end[:2], (y - end[1]) * turn, (end[0] - x) * turn
-        text = f"{'g3' if sense > 0.0 else 'g2'}x{number(end[0])}y{number(end[1])}"
+        text = f"{'g3' if sense > 0.0 else 'g2'}{xy_words(end[0], end[1])}"
         if end[2] != start[2]:
             text += f"z{number(end[2])}"
         return text + f"i{number(x - start[0])}j{number(y - start[1])}" + self.feed_word(False)

@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable, Mapping
 
 from gcode.errors import ProgramError
+from gcode.text.expressions import square_root
 
 __all__ = ["NUMBER", "QParameters"]
 
@@ -29,12 +30,6 @@ _TESTS = {"EQU": lambda a, b: abs(a - b) < 1e-9, "NE": lambda a, b: abs(a - b) >
           "GT": lambda a, b: a > b, "LT": lambda a, b: a < b}  # fmt: skip
 
 
-def _root(value: float) -> float:
-    if value < 0.0:
-        raise ProgramError(f"SQRT of the negative number {value:g}")
-    return math.sqrt(value)
-
-
 def _divided(a: float, b: float) -> float:
     if b == 0.0:
         raise ProgramError("division by zero in a Q parameter")
@@ -46,7 +41,7 @@ _ONE: dict[str, Callable[[float], float]] = {
     "SIN": lambda v: math.sin(math.radians(v)), "COS": lambda v: math.cos(math.radians(v)),
     "TAN": lambda v: math.tan(math.radians(v)), "ASIN": lambda v: math.degrees(math.asin(v)),
     "ACOS": lambda v: math.degrees(math.acos(v)), "ATAN": lambda v: math.degrees(math.atan(v)),
-    "SQ": lambda v: v * v, "SQRT": _root, "LN": math.log, "LOG": math.log10, "EXP": math.exp,
+    "SQ": lambda v: v * v, "SQRT": square_root, "LN": math.log, "LOG": math.log10, "EXP": math.exp,
     "NEG": lambda v: -v, "INT": lambda v: float(math.trunc(v)), "ABS": abs,
     "FRAC": lambda v: v - math.trunc(v), "SGN": lambda v: float((v > 0) - (v < 0)),
 }  # fmt: skip

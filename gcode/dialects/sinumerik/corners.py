@@ -15,7 +15,7 @@ from gcode.dialects.sinumerik.codes import STOPS
 from gcode.errors import ProgramError
 from gcode.geometry.arcs import Point, centre_from_offsets, centre_from_radius
 from gcode.geometry.corners import Piece, broken_corner
-from gcode.language.translate import number
+from gcode.language.translate import number, xy_words
 
 if TYPE_CHECKING:
     from gcode.dialects.sinumerik.reader import SinumerikReader
@@ -56,7 +56,7 @@ class WaitingPiece:
     def going_to(self, end: Point) -> str:
         """Its block, to a place before its end."""
         piece, code = self.piece, {0: 1, 1: 3, -1: 2}[self.piece.sense]
-        text = f"{self.head}g90g{code}x{number(end[0])}y{number(end[1])}"
+        text = f"{self.head}g90g{code}{xy_words(end[0], end[1])}"
         if self.end_level != self.start_level:
             text += f"z{number(self.end_level)}"
         if piece.centre is not None:
@@ -77,7 +77,7 @@ class WaitingPiece:
         if broken is None:
             return [self.going_to(self.piece.end)]
         x, y = broken.end
-        behind = f"x{number(x)}y{number(y)}"
+        behind = xy_words(x, y)
         if self.kind == "RND":
             behind = f"g{3 if broken.sense > 0 else 2}{behind}r{number(self.size)}"
         else:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from gcode.errors import ProgramError
 from gcode.geometry.three_points import centre_of_three
-from gcode.language.translate import number
+from gcode.language.translate import number, xy_words
 from gcode.motion.tangent import tangent_centre
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ class SinumerikMotion:
             x, y, sense = self._through(dict(words), start, end, g_codes)
         reader.execute(reader.words.text(others))
         reader.absolutely(
-            f"g{3 if sense > 0 else 2}x{number(end[0])}y{number(end[1])}"
+            f"g{3 if sense > 0 else 2}{xy_words(end[0], end[1])}"
             f"z{number(end[2])}i{number(x - start[0])}j{number(y - start[1])}"
         )
 

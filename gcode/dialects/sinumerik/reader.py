@@ -25,7 +25,7 @@ from gcode.dialects.sinumerik.values.system_variables import system_variable
 from gcode.dialects.sinumerik.values.variables import Variables
 from gcode.errors import ProgramError
 from gcode.language.options import RunOptions
-from gcode.language.translate import Translated, number
+from gcode.language.translate import Translated, number, xy_words
 from gcode.state.controller import PLANE_AXES, XY, XZ, YZ, Controller
 from gcode.text.source import Source
 
@@ -315,7 +315,7 @@ class SinumerikReader(Translated):
 
     def place(self, motion: str, x: float, y: float, z: float) -> None:
         """Move to an absolute place."""
-        self.absolutely(f"{motion}x{number(x)}y{number(y)}z{number(z)}")
+        self.absolutely(f"{motion}{xy_words(x, y)}z{number(z)}")
 
     # subprograms
 

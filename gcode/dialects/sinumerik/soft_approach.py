@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from gcode.errors import ProgramError
 from gcode.geometry.arcs import Point
-from gcode.language.translate import number
+from gcode.language.translate import number, xy_words
 
 if TYPE_CHECKING:
     from gcode.dialects.sinumerik.block_words import Words
@@ -152,7 +152,7 @@ class SoftApproach:
         reader.execute(*self._way_to(approach, piece.heading(piece.start)))
         if approach.side:
             reader.execute(f"g{41 if approach.side > 0 else 42}d{approach.row}")
-        reader.execute(f"g1{_place(approach.end[:2])}")
+        reader.execute(f"g1{xy_words(*approach.end[:2])}")
         c.motion, c.absolute = modal, absolute
 
     def _way_to(self, approach: _Approach, along: Point) -> Iterator[str]:
@@ -165,12 +165,12 @@ class SoftApproach:
             raise ProgramError(f"a soft approach begins at Z{approach.start[2]:g}, below its DISCL",
                                accepted=f"a start at Z{above:g} or higher")  # fmt: skip
         feed = f"f{number(said['F'])}" if "F" in said else ""
-        yield f"{approach.motion}{_place(begin)}"
+        yield f"{approach.motion}{xy_words(*begin)}"
         yield f"z{number(above)}"
         if self.in_plane and above > level:
             yield f"g1z{number(level)}" + (f"f{number(said['FAD'])}" if "FAD" in said else feed)
         code = "g1" if middle is None else f"g{3 if approach.side > 0 else 2}"
-        yield f"{code}{_place(end)}z{number(level)}{_centre(begin, middle)}{feed}"
+        yield f"{code}{xy_words(*end)}z{number(level)}{_centre(begin, middle)}{feed}"
 
     @property
     def _radius(self) -> float:
@@ -212,13 +212,13 @@ class SoftApproach:
                                accepted=f"an end at Z{above:g} or higher")  # fmt: skip
         height = level if self.in_plane else above
         code = "g1" if middle is None else f"g{3 if approach.side > 0 else 2}"
-        yield f"g1{_place(begin)}"
-        yield f"{code}{_place(end)}z{number(height)}{_centre(begin, middle)}"
+        yield f"g1{xy_words(*begin)}"
+        yield f"{code}{xy_words(*end)}z{number(height)}{_centre(begin, middle)}"
         feed = f"f{number(said['F'])}" if "F" in said else ""
         if above > height:
             yield f"g1z{number(above)}" + (f"f{number(said['FAD'])}" if "FAD" in said else feed)
         yield f"{motion}z{number(approach.end[2])}{feed}"
-        yield f"{_place(approach.end[:2])}"
+        yield xy_words(*approach.end[:2])
 
 
 def _straight(motion: str | None) -> str:
@@ -242,10 +242,6 @@ def _far(
     if approach.quarters == 1:
         return (middle[0] + back * size * along[0], middle[1] + back * size * along[1]), middle
     return (2.0 * middle[0] - near[0], 2.0 * middle[1] - near[1]), middle
-
-
-def _place(point: Point) -> str:
-    return f"x{number(point[0])}y{number(point[1])}"
 
 
 def _centre(begin: Point, middle: Point | None) -> str:

@@ -12,13 +12,12 @@ from functools import cached_property
 import numpy as np
 
 from gcode import MoveKind, Moves
+from vmach.compensation.pieces.arcs import LARGEST_SWEEP_RAD
 from vmach.compensation.pieces.plan import Plan
 from vmach.path.geometry import move_length_mm, position_at, tangent_at
 
 __all__ = ["PathShift", "arc_frames", "no_shift"]
 
-#: an arc has three knots on every stretch of no more than this
-_LARGEST_SWEEP_RAD = np.radians(181.0)
 #: nominal ends and starts that are nearer than this are one place
 _SAME_MM = 1e-6
 _NO_KNOT = -1
@@ -179,7 +178,7 @@ class _Knots:
         way = self.moves.end_mm[move] - self.moves.start_mm[move]
         stands = not self.stretches and not is_arc and np.abs(way).max() < _SAME_MM
         sweep = abs(self.moves.sweep_rad[move]) * (end - start) if is_arc else 0.0
-        count = max(int(np.ceil(sweep / _LARGEST_SWEEP_RAD)), 1)
+        count = max(int(np.ceil(sweep / LARGEST_SWEEP_RAD)), 1)
         places = np.linspace(start, end, count + 1)
         first = self._start(move, start, stands)
         for begin, stop in zip(places[:-1].tolist(), places[1:].tolist(), strict=True):

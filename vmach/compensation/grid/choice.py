@@ -11,7 +11,7 @@ import numpy as np
 
 from stock.compiled import njit_inlined, njit_kernel, njit_maker
 
-__all__ = ["Course", "Points", "advance", "best_points", "best_sequence", "traced_back"]
+__all__ = ["Course", "Points", "advance", "best_points", "traced_back"]
 
 
 class Course(NamedTuple):
@@ -119,16 +119,6 @@ def _fill_costs(course, exact, points, end, cost):
         cost[j] = _left(course, k, exact, k, 0, points, e, j)
         if k + 1 < len(course.begin):
             cost[j] += _left(course, k + 1, points, e, j, exact, k + 2, 0)
-
-
-def best_sequence(course, exact, points):
-    """Point of every end, (K,), so that the sum of costs along the path is smallest.
-
-    Of equals the first counts.
-    """
-    came_from = np.zeros(points.parameter.shape, np.int8)
-    total = advance(course, exact, points, 0, np.zeros(came_from.shape[1]), came_from)
-    return traced_back(total, came_from)
 
 
 def advance(course, exact, points, at, total, came_from):

@@ -57,7 +57,7 @@ def round_program(
     iteration : Iteration
     found : Solution
     resolution_mm : float
-    view : PartView, optional
+    view : PartView or None
         Of the surface to round for; without it the distance across the path counts.
     """
     rounding = Rounding(iteration.rewriter, found.plan, found.target, resolution_mm)

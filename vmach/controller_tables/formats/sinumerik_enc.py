@@ -90,7 +90,7 @@ def errors_of_enc(folder: Path, options: Mapping[str, Any]) -> HeldErrors:
     return HeldErrors(tables)
 
 
-def _own_axis_mean(task: TableTask) -> list[Term]:
+def _own_axis_mean(_: TableTask) -> list[Term]:
     return [Term(k, k) for k in range(3)]
 
 

@@ -32,6 +32,8 @@ __all__ = ["NextMeasurement", "next_measurement"]
 _USEFUL = 3.0
 #: candidates that a test for something unknown is to tell apart
 _LEADING = 3
+#: places of a rival that are tried
+_MOST_PLACES = 40
 
 
 @dataclass(frozen=True)
@@ -229,8 +231,8 @@ def _power(test: PlannedTest, path: Circumstances, one: _Shown, rival: _Shown) -
     return least / U_MM if np.isfinite(least) else 0.0
 
 
-def _few(grid: list, most: int = 40) -> list:
-    return grid[:: max(1, len(grid) // most)]
+def _few(grid: list) -> list:
+    return grid[:: max(1, len(grid) // _MOST_PLACES)]
 
 
 def _on_test(test: PlannedTest, path: Circumstances, term: Term, inner) -> np.ndarray:

@@ -47,6 +47,11 @@ class Form:
         return ", ".join([*filter(None, [" x ".join(words)]), self.direction.words])
 
     @property
+    def label(self) -> str:
+        """Of its candidate: name of the effect, and target."""
+        return f"form {self.formula}"
+
+    @property
     def state_words(self) -> tuple[str, ...]:
         """States and places that it depends on."""
         return (*(state.words for state in self.states), *self.direction.lever)

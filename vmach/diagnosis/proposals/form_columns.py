@@ -182,7 +182,7 @@ def _candidate(form: Form, columns: np.ndarray) -> Candidate:
 
 def _states(survey: Survey) -> dict[State, np.ndarray]:
     """All states that differ among the readings, with their values (n, C)."""
-    listed = dict.fromkeys(state for path in survey.paths for state in states_of(survey.job, path))
+    listed = dict.fromkeys(state for path in survey.paths for state in states_of(path))
     found: dict[State, np.ndarray] = {CONSTANT: np.ones((len(survey), 1))}
     for state in listed:
         value = _values(survey, state)

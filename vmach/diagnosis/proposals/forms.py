@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
-from vmach.diagnosis.inference.bank import Bank
 from vmach.diagnosis.inference.moves import (
     beside_little,
     search,
@@ -22,13 +21,9 @@ from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.proposals.form import Form
 from vmach.diagnosis.proposals.form_columns import FormColumns
 from vmach.diagnosis.proposals.held_out import held_out_um
+from vmach.diagnosis.proposals.leading_forms import SAME, TIE, LeadingForms
 from vmach.diagnosis.proposals.proposal import Proposal
-from vmach.fit.base import Base
 from vmach.fit.candidates import Candidate
-from vmach.fit.marginal_likelihood import Effects, Posterior
-from vmach.fit.noise.discrepancy import Members
-from vmach.fit.sizes import Sizes
-from vmach.fit.survey import Survey
 from vmach.fit.terms import Term
 from vmach.fit.whitening import orthonormal, share_within
 
@@ -49,17 +44,6 @@ _TOLD = 3
 #: share of what was beyond noise that a form leaves at most of features that were not fitted,
 #: where the discrepancy may hold it as well
 _HALVED = 0.5
-#: readings at most that all forms are looked through on; the best are fitted to all readings
-_LOOKED_THROUGH = 3000
-#: decimals of a gain; beyond them rounding would choose among forms that do the same
-_TIE = 5
-#: numbers that products of forms may take up while they are kept
-_ROOM = 25_000_000
-#: forms that are weighed together
-_AT_ONCE = 500
-#: a form whose readings follow those of another one, or of effects, that closely is the same; it
-#: holds an effect whose readings follow its own that closely
-_SAME = 0.98
 
 
 class Forms:
@@ -77,9 +61,7 @@ class Forms:
         self._weighing = weighing
         self._known = [weighing.candidates[weighing.index_of(t.label)] for t in found.terms]
         self._columns = FormColumns(weighing.survey)
-        self._banks: list[tuple[list[Form], Bank]] = []
-        self._listed = 0
-        self._screen = _Screen(weighing)
+        self._leading = LeadingForms(weighing, self._columns)
         self._chosen: dict[str, Form] = {}
 
     def grown(self, found: Explanation) -> Explanation:
@@ -138,7 +120,7 @@ class Forms:
                 for some in combinations(range(moved.shape[1]), space.shape[1]):
                     by_amounts.setdefault((term.effect.name, some), []).append(moved[:, some])
             spans = (orthonormal(np.hstack(moved)) for moved in by_amounts.values())
-            if any(share_within(space, span) > _SAME for span in spans):
+            if any(share_within(space, span) > SAME for span in spans):
                 return True
         return False
 
@@ -183,7 +165,7 @@ class Forms:
         """
         self._columns.add_conspicuous(*self._left_mm(fewer))
         beside = replace(fewer, posterior=replace(fewer.posterior, sizes=than.posterior.sizes))
-        first = self._extended(fewer, self._leading([beside], _FIRST))
+        first = self._extended(fewer, self._leading.of([beside], _FIRST))
         brought = first.score - fewer.score
         if brought <= _SHARE * (than.score - fewer.score):
             return fewer
@@ -198,7 +180,7 @@ class Forms:
                 # effects may have taken a part of what one form is
                 self._columns.add_conspicuous(*self._left_mm(self._weighing.alone))
             self._columns.add_conspicuous(*self._left_mm(here))
-            better = self._extended(here, self._leading(_two_views(here)), but=but)
+            better = self._extended(here, self._leading.of(_two_views(here), _FITTED), but=but)
             if better.score < here.score + CLEARLY:
                 break
             here = better
@@ -211,7 +193,7 @@ class Forms:
         weighing, little = self._with(leading), beside_little(here).posterior.sizes
 
         def fitted(form: Form) -> Explanation:
-            one = weighing.extend(here, weighing.index_of(_label(form)))
+            one = weighing.extend(here, weighing.index_of(form.label))
             if little == here.posterior.sizes:
                 return one
             # members that are large hide what a form could do in their place
@@ -219,16 +201,16 @@ class Forms:
 
         # one at a time: a fit of many readings takes much memory
         pairs = ((fitted(form), form) for form in leading)
-        best = max(pairs, key=lambda pair: round(pair[0].score, _TIE), default=None)
+        best = max(pairs, key=lambda pair: round(pair[0].score, TIE), default=None)
         if best is None:
             return here
-        self._chosen[_label(best[1])] = best[1]
+        self._chosen[best[1].label] = best[1]
         return without_needless(weighing, best[0], but=but)
 
     def holds(self, found: Explanation, k: int, form: Term) -> bool:
         """Whether what effect k of an explanation does is all in the span of a form."""
         own = orthonormal(self._moved_mm(found, k))
-        return share_within(own, self._columns.space_of(self._chosen[form.label])) > _SAME
+        return share_within(own, self._columns.space_of(self._chosen[form.label])) > SAME
 
     def proposals(self, alone: Explanation, grown: Explanation) -> tuple[Proposal, ...]:
         """The forms of a grown explanation, then others that would do nearly as well.
@@ -242,14 +224,14 @@ class Forms:
         """
         self._columns.add_conspicuous(*self._left_mm(alone))
         first = [self._chosen[t.label] for t in grown.terms if t.label in self._chosen]
-        forms = dict.fromkeys([*first, *self._leading(_two_views(alone))])
+        forms = dict.fromkeys([*first, *self._leading.of(_two_views(alone), _FITTED)])
         weighing = self._with([*forms])
         start = weighing.explain(alone.terms, alone.posterior.sizes, refine=False)
         noise_um = grown.posterior.sizes.factor * usual_u_um(weighing)
         found: list[Proposal] = []
         for here in (start, beside_little(start)):
             for form in forms:
-                k, resize = weighing.index_of(_label(form)), here is start
+                k, resize = weighing.index_of(form.label), here is start
                 trial = weighing.extend(here, k, resize=resize)
                 proposal = _proposal(weighing, form, here, trial)
                 # what the discrepancy holds as well has to foretell
@@ -274,7 +256,7 @@ class Forms:
 
     def _of(self, effects: Sequence[Candidate], forms: Sequence[Form]) -> Weighing:
         """A weighing of effects and forms, each of these once."""
-        listed, every = len(self._columns), {_label(form): form for form in forms}
+        listed, every = len(self._columns), {form.label: form for form in forms}
         return self._weighing.of_candidates(
             [*effects, *(self._columns.candidate(f) for f in every.values())],
             {label: -float(np.log(listed * f.looked_at)) for label, f in every.items()},
@@ -290,85 +272,6 @@ class Forms:
         left = np.stack([beside, beside - remains_mm(self._weighing, here)], axis=1)
         whole, rest = (left - survey.aligned(left)).T
         return whole, rest
-
-    def _leading(self, views: Sequence[Explanation], most: int = _FITTED) -> list[Form]:
-        """Forms worth a fit beside an explanation, so many at most from each view of it."""
-        seen = [self._screen.posterior(v.posterior.sizes, v.posterior.effects) for v in views]
-        gains: list[list[float]] = [[] for _ in seen]
-        forms: list[Form] = []
-        for some, bank in self._weighed():
-            forms += some
-            price = np.log([form.looked_at for form in some])
-            for view, gain in zip(seen, gains, strict=True):
-                gain += (bank.evidence(view).log_factor[:, 0] - price).tolist()
-        chosen: list[Form] = []
-        for gain in gains:
-            taken = self._most_probable(forms, np.round(gain, _TIE), most)
-            chosen += [form for form in taken if form not in chosen]
-        return [form for form in chosen if _label(form) not in views[0].labels]
-
-    def _most_probable(self, forms: Sequence[Form], gain: np.ndarray, most: int) -> list[Form]:
-        """So many at most, of those that these readings cannot tell apart the simplest.
-
-        Of several that are as simple the most probable, then the first that is listed.
-        """
-        taken: list[_Alike] = []
-        for k in np.argsort(-gain, kind="stable"):
-            if gain[k] < CLEARLY:
-                break
-            form, span = forms[k], self._columns.space_of(forms[k])
-            one = _Alike(form, span, float(gain[k]), (span.shape[1], len(form.state_words)))
-            same = next((j for j, other in enumerate(taken) if one.is_within(other)), None)
-            if same is not None:
-                taken[same] = taken[same].or_simpler(one)
-            elif len(taken) == most:
-                break
-            else:
-                taken.append(one)
-        return [alike.simplest for alike in taken]
-
-    def _weighed(self) -> Iterator[tuple[list[Form], Bank]]:
-        """Forms with their products, kept for the next time where there is room for them."""
-        yield from self._banks
-        forms, room = self._columns.forms, _ROOM // len(self._screen.base.y)
-        for k in range(self._listed, len(forms), _AT_ONCE):
-            new = forms[k : k + _AT_ONCE]
-            some, candidates = self._columns.shown(new, self._screen.rows)
-            weighed = (some, Bank(self._screen.base, candidates))
-            if k == self._listed and k + len(new) < room:
-                self._banks.append(weighed)
-                self._listed += len(new)
-            yield weighed
-
-
-@dataclass(frozen=True)
-class _Alike:
-    """Forms that readings cannot tell apart: the simplest, and the first one's span and gain.
-
-    Attributes
-    ----------
-    simplest : Form
-    span : (n, K) float64
-    gain : float
-    complexity : (int, int)
-        Of the simplest: amounts, then states that it depends on.
-    """
-
-    simplest: Form
-    span: np.ndarray
-    gain: float
-    complexity: tuple[int, int]
-
-    def is_within(self, other: _Alike) -> bool:
-        """Whether it does nothing that others do not."""
-        return share_within(self.span, other.span) >= _SAME
-
-    def or_simpler(self, one: _Alike) -> _Alike:
-        """With one more, unless that is clearly less probable."""
-        is_as_probable = one.gain > self.gain - CLEARLY
-        if is_as_probable and one.complexity < self.complexity:
-            return replace(self, simplest=one.simplest, complexity=one.complexity)
-        return self
 
 
 def _proposal(weighing: Weighing, form: Form, start: Explanation, trial: Explanation) -> Proposal:
@@ -410,46 +313,3 @@ def _complexity(proposal: Proposal) -> tuple[int, int, float]:
 def _two_views(here: Explanation) -> list[Explanation]:
     """An explanation as it is, and beside a discrepancy that leaves forms to show."""
     return [here, beside_little(here)]
-
-
-class _Screen:
-    """Some of the readings, evenly spread, where all would take long to look through.
-
-    Parameters
-    ----------
-    weighing : Weighing
-    """
-
-    def __init__(self, weighing: Weighing) -> None:
-        base, count = weighing.base, len(weighing.survey)
-        self.rows: np.ndarray | slice = slice(None)
-        self.base = base
-        if count > _LOOKED_THROUGH:
-            rows = np.unique(np.linspace(0, count - 1, _LOOKED_THROUGH).astype(int))
-            every, noise = base.members, base.noise
-            kept = np.isin(np.arange(count), rows)
-            members = Members(
-                every.fixed_mm[rows], every.names, tuple(c[rows] for c in every.columns_mm)
-            )
-            of_rows = {name: getattr(noise, name)[rows] for name in ("u_mm", "group", "weight")}
-            self.rows = rows
-            screened = _kept(weighing.survey, kept)
-            # neighbours are further apart now
-            further = noise.correlation ** (count / len(rows))
-            noise = replace(noise, correlation=further, **of_rows)
-            self.base = Base(screened, noise, members)
-
-    def posterior(self, sizes: Sizes, effects: Effects) -> Posterior:
-        """Members at given sizes, and effects, as these readings have them."""
-        own = Effects(self.base.columns(effects.columns.mm[self.rows]), effects.log_prior)
-        return Posterior(self.base, sizes, own)
-
-
-def _kept(survey: Survey, rows: np.ndarray) -> Survey:
-    """A survey with some of its readings, (n,) bool."""
-    pairs = zip(survey.measurements, survey.rows, strict=True)
-    return replace(survey, measurements=tuple(m.keep(rows[o]) for m, o in pairs if rows[o].any()))
-
-
-def _label(form: Form) -> str:
-    return f"form {form.formula}"

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vmach.job import Job
 from vmach.machine import LINEAR_AXES
 from vmach.path.circumstances import Circumstances
 
@@ -175,7 +174,7 @@ def curve_in(k: int, low_mm: float, high_mm: float) -> State:
     return State("position", f"a curve in {LINEAR_AXES[k]} in 100 mm", code)
 
 
-def states_of(job: Job, path: Circumstances) -> Iterator[State]:
+def states_of(path: Circumstances) -> Iterator[State]:
     """All states that a job's readings may be asked for."""
     for k, axis in enumerate(LINEAR_AXES):
         yield from _of_axis(k, axis)

@@ -12,8 +12,6 @@ import numpy as np
 
 __all__ = ["Optimum", "least_width", "solve"]
 
-#: a row may be broken by this share of the largest right hand side
-_FEASIBLE = 1e-12
 #: rows taken into the program in one round
 _ROWS = 60
 #: rounds; every round adds rows, and a few suffice

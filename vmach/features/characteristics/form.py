@@ -62,7 +62,13 @@ def _members(feature: Feature, points: Points) -> list[Member]:
 
 
 def roundness(feature: Feature, points: Points, callout: Callout) -> Measure:
-    """Difference of the radii of two concentric circles, the largest of all sections."""
+    """Difference of the radii of two concentric circles, the largest of all sections.
+
+    Raises
+    ------
+    InputError
+        The feature is no cylinder or cone, or no section has points all round.
+    """
     _check_kind(feature, callout, ("cylinder", "cone"))
     found = []
     for member in _members(feature, points):
@@ -95,7 +101,13 @@ def _circle_zone(surface, actual: np.ndarray, rows: np.ndarray) -> Measure:
 
 
 def straightness(feature: Feature, points: Points, callout: Callout) -> Measure:
-    """Straightness of a plane's lines, or with Ø of the median line of a cylinder or cone."""
+    """Straightness of a plane's lines, or with Ø of the median line of a cylinder or cone.
+
+    Raises
+    ------
+    InputError
+        The feature is of another kind, or no line has three points.
+    """
     if callout.zone:
         if feature.element not in ("cylinder", "cone"):
             raise InputError(

@@ -84,7 +84,13 @@ def _direction(feature: Feature) -> tuple[np.ndarray, bool] | None:
 
 
 def location(feature: Feature, points: Points, callout: Callout, system: DatumSystem) -> Measure:
-    """Position and symmetry; the members of a pattern hold together."""
+    """Position and symmetry; the members of a pattern hold together.
+
+    Raises
+    ------
+    InputError
+        A position of one feature without a datum.
+    """
     if callout.characteristic == "position" and not callout.datums and len(feature.members) < 2:
         raise InputError(
             f"tolerance {callout.text!r} of one feature without a datum",

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from vmach.errors import InputError
 from vmach.features.drawing.fits import fit_limits_mm
 
-__all__ = ["CHARACTERISTICS", "SIZE_MODIFIERS", "Callout", "read_callout"]
+__all__ = ["CHARACTERISTICS", "Callout", "read_callout"]
 
 #: geometrical characteristics: the fewest and the most datums of each
 CHARACTERISTICS = {
@@ -53,7 +53,7 @@ _SIZE = re.compile(
     (?:(?P<fit>[A-Za-z]{{1,2}}\d{{1,2}})
      |(?:±|\+/-|\+-)\s*(?P<both>{_NUMBER})
      |(?P<one>{_SIGNED})\s*(?:/|,(?!\d)|\s)\s*(?P<other>{_SIGNED}))\s*(?:mm)?
-    (?:\s+to\s+(?P<to>\S.*?))?(?:\s*\(?(?P<modifier>LP|GG|GX|GN|E)\)?)?""",
+    (?:\s+to\s+(?P<to>\S.*?))?(?:\s*\(?(?P<modifier>{"|".join(SIZE_MODIFIERS)})\)?)?""",
     re.VERBOSE,
 )
 _FRAME = re.compile(

@@ -95,7 +95,13 @@ _ACCEPTED = (
 
 
 def standard_tolerance_um(nominal_mm: float, grade: int) -> float:
-    """Standard tolerance IT of a grade, 1 to 18, um."""
+    """Standard tolerance IT of a grade, 1 to 18, um.
+
+    Raises
+    ------
+    InputError
+        Another grade, or a nominal size beyond the table.
+    """
     if grade not in _IT:
         raise InputError(f"tolerance grade IT{grade}", accepted="IT1 to IT18")
     return float(_IT[grade][_range(nominal_mm, _RANGES)])

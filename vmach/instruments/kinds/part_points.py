@@ -65,7 +65,6 @@ def measure_part(
     preparation: Preparation,
     path: Path,
     *,
-    variant: Variant = Variant.ABBE,
     effects: Sequence[ActingEffect] = (),
 ) -> tuple[Measurement, Prediction]:
     """Measured points of the part beside what the model predicts for them.
@@ -81,7 +80,7 @@ def measure_part(
     """
     points = _in_order(read_points_csv(path))
     check_file(points, path)
-    prediction = predict_surface(preparation, points, variant, effects)
+    prediction = predict_surface(preparation, points, Variant.ABBE, effects)
     cut = np.flatnonzero(prediction.is_cut)
     check_cut(preparation, points, len(cut), path=path)
     check_aligned(points, path)
@@ -101,7 +100,7 @@ def measure_part(
             *in_file([Note.plain(Kind.UNCERTAINTY, _NO_UNCERTAINTY, place="u_um")], path)
         )
         part = _without_outliers(part)
-    others = part_alternatives(part, preparation, variant)
+    others = part_alternatives(part, preparation)
     return part.noted(*_doubtful_uncertainty(part), *alternative_notes(part, others)), prediction
 
 

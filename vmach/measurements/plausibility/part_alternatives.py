@@ -23,9 +23,7 @@ from vmach.plausibility import lengths_meant_mm
 __all__ = ["part_alternatives"]
 
 
-def part_alternatives(
-    part: Measurement, preparation: Preparation, variant: Variant
-) -> Iterator[Alternative]:
+def part_alternatives(part: Measurement, preparation: Preparation) -> Iterator[Alternative]:
     """Predictions of measured points with one number of the job, or its tables, changed.
 
     Parameters
@@ -33,14 +31,13 @@ def part_alternatives(
     part : Measurement
         Points that the program cuts.
     preparation : Preparation
-    variant : Variant
     """
     job, states = preparation.job, part.states
     nose_mm, tool_mm = states.nose_mm, states.tool_mm
     low, high = job.machine.travel_mm
 
     def errors_mm(machine: Machine, nose_mm: np.ndarray, tool_mm: np.ndarray) -> np.ndarray:
-        moved = displacement(machine, nose_mm, tool_mm, variant, direction=states.direction)
+        moved = displacement(machine, nose_mm, tool_mm, Variant.ABBE, direction=states.direction)
         return np.einsum("ij,ij->i", part.sensing, moved.at(states.contact_mm))
 
     here_mm = part.predicted_mm - errors_mm(job.machine, nose_mm, tool_mm)

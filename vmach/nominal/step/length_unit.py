@@ -73,7 +73,13 @@ def _unit(step: StepFile, context: StepEntity, kind: str) -> float | None:
 
 
 def unit_in_si(step: StepFile, unit: StepEntity) -> float:
-    """Size of a unit in metres or radians."""
+    """Size of a unit in metres or radians.
+
+    Raises
+    ------
+    InputError
+        A unit that is not known, or of an impossible size.
+    """
     if unit.is_a("SI_UNIT"):
         prefix, name = unit.parts["SI_UNIT"]
         if name not in _NAMES:

@@ -245,7 +245,7 @@ def _band(v, low, height, count):
 
 
 @njit_part()
-def _span_of_bands(segments, low, height):
+def _span_of_bands(segments, height):
     """How many bands of a height the segments reach into, each counted for itself."""
     total = 0.0
     for s in range(len(segments)):
@@ -262,9 +262,8 @@ def sides_of_points(segments, uv, u_period, v_period):
     """
     low, high = _bounds_of_v(segments)
     count = 1 if v_period > 0.0 or not high > low else len(segments)
-    while count > 1 and _span_of_bands(segments, low, (high - low) / count) > _CROWD * len(
-        segments
-    ):
+    most = _CROWD * len(segments)
+    while count > 1 and _span_of_bands(segments, (high - low) / count) > most:
         count //= 2
     height = (high - low) / count if count > 1 else 0.0
     first = np.zeros(count + 1, dtype=np.int64)

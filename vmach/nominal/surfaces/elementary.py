@@ -138,7 +138,7 @@ class _AboutAxis:
 class Cylinder(_AboutAxis):
     """v is the height."""
 
-    radius: float
+    radius_mm: float
     kind = "cylinder"
     varies = ("", "")
     v_period = 0.0
@@ -146,10 +146,10 @@ class Cylinder(_AboutAxis):
 
     @property
     def label(self) -> str:
-        return f"cylinder R{self.radius:.6g}"
+        return f"cylinder R{self.radius_mm:.6g}"
 
     def _profile(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return np.full_like(v, self.radius), v
+        return np.full_like(v, self.radius_mm), v
 
     def _profile_slope(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return np.zeros_like(v), np.ones_like(v)
@@ -162,27 +162,27 @@ class Cylinder(_AboutAxis):
 
 @dataclass(frozen=True)
 class Cone(_AboutAxis):
-    """v is the height; the radius there is `radius` + v tan(half_angle)."""
+    """v is the height; the radius there is `radius_mm` + v tan(half_angle)."""
 
-    radius: float
-    half_angle: float
+    radius_mm: float
+    half_angle_rad: float
     kind = "cone"
     v_period = 0.0
 
     @property
     def label(self) -> str:
-        return f"cone {2.0 * np.degrees(self.half_angle):.6g} deg"
+        return f"cone {2.0 * np.degrees(self.half_angle_rad):.6g} deg"
 
     @property
     def v_limits(self) -> tuple[float, float]:
-        apex = -self.radius / np.tan(self.half_angle)
-        return (apex, np.inf) if self.half_angle > 0.0 else (-np.inf, apex)
+        apex = -self.radius_mm / np.tan(self.half_angle_rad)
+        return (apex, np.inf) if self.half_angle_rad > 0.0 else (-np.inf, apex)
 
     def _profile(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return self.radius + v * np.tan(self.half_angle), v
+        return self.radius_mm + v * np.tan(self.half_angle_rad), v
 
     def _profile_slope(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return np.full_like(v, np.tan(self.half_angle)), np.ones_like(v)
+        return np.full_like(v, np.tan(self.half_angle_rad)), np.ones_like(v)
 
     def parameters(self, points: np.ndarray) -> np.ndarray:
         """u and v of points (N, 3) mm on the surface; (N, 2)."""
@@ -195,35 +195,35 @@ class Cone(_AboutAxis):
         A conical surface has a second half, of negative radius, beyond its apex. The normals
         dS/du x dS/dv stay as they are.
         """
-        slope = np.tan(self.half_angle)
+        slope = np.tan(self.half_angle_rad)
         if (
             not len(points)
-            or (self.radius + self.frame.local(points)[:, 2] * slope).max() > _AXIS_MM
+            or (self.radius_mm + self.frame.local(points)[:, 2] * slope).max() > _AXIS_MM
         ):
             return self
-        apex = self.frame.world(np.array([[0.0, 0.0, -self.radius / slope]]))[0]
+        apex = self.frame.world(np.array([[0.0, 0.0, -self.radius_mm / slope]]))[0]
         turned = Frame.from_axis(apex, -self.frame.axes[2], self.frame.axes[0])
-        return Cone(turned, 0.0, self.half_angle)
+        return Cone(turned, 0.0, self.half_angle_rad)
 
 
 @dataclass(frozen=True)
 class Sphere(_AboutAxis):
     """v is the latitude."""
 
-    radius: float
+    radius_mm: float
     kind = "sphere"
     v_period = 0.0
     v_limits = (-np.pi / 2.0, np.pi / 2.0)
 
     @property
     def label(self) -> str:
-        return f"sphere R{self.radius:.6g}"
+        return f"sphere R{self.radius_mm:.6g}"
 
     def _profile(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return self.radius * np.cos(v), self.radius * np.sin(v)
+        return self.radius_mm * np.cos(v), self.radius_mm * np.sin(v)
 
     def _profile_slope(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return -self.radius * np.sin(v), self.radius * np.cos(v)
+        return -self.radius_mm * np.sin(v), self.radius_mm * np.cos(v)
 
     def parameters(self, points: np.ndarray) -> np.ndarray:
         """u and v of points (N, 3) mm on the surface; (N, 2)."""
@@ -234,7 +234,7 @@ class Sphere(_AboutAxis):
         """The same sphere, poles turned away from points (N, 3) mm (edges of a face)."""
         if not len(points):
             return self
-        seen = self.frame.local(points) / self.radius
+        seen = self.frame.local(points) / self.radius_mm
         steps = np.arange(200)
         z = 1.0 - (steps + 0.5) / len(steps)  # half a sphere of directions, on a golden spiral
         turn = steps * np.pi * (3.0 - np.sqrt(5.0))
@@ -242,42 +242,44 @@ class Sphere(_AboutAxis):
         axes = np.column_stack([ring * np.cos(turn), ring * np.sin(turn), z])
         axis = axes[np.argmin(np.abs(axes @ seen.T).max(axis=1))]
         turned = Frame.from_axis(self.frame.origin, self.frame.direction(axis), None)
-        return Sphere(turned, self.radius)
+        return Sphere(turned, self.radius_mm)
 
 
 @dataclass(frozen=True)
 class Torus(_AboutAxis):
-    """v is the angle around the tube of radius `minor`.
+    """v is the angle around the tube of radius `minor_mm`.
 
     A tube wider than its way round crosses the axis. What lies beyond, such as a crowned roller,
     has a negative radius there.
     """
 
-    major: float
-    minor: float
+    major_mm: float
+    minor_mm: float
     kind = "torus"
     v_period = _TURN
     v_limits = _ENDLESS
 
     @property
     def label(self) -> str:
-        return f"torus R{self.major:.6g} r{self.minor:.6g}"
+        return f"torus R{self.major_mm:.6g} r{self.minor_mm:.6g}"
 
     def _profile(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return self.major + self.minor * np.cos(v), self.minor * np.sin(v)
+        return self.major_mm + self.minor_mm * np.cos(v), self.minor_mm * np.sin(v)
 
     def _profile_slope(self, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return -self.minor * np.sin(v), self.minor * np.cos(v)
+        return -self.minor_mm * np.sin(v), self.minor_mm * np.cos(v)
 
     def parameters(self, points: np.ndarray) -> np.ndarray:
         """u and v of points (N, 3) mm on the surface; (N, 2)."""
         x, y, z = self.frame.local(points).T
         radius = np.hypot(x, y)
-        if self.major < self.minor:
-            off = [np.abs(np.hypot(r - self.major, z) - self.minor) for r in (radius, -radius)]
+        if self.major_mm < self.minor_mm:
+            off = [
+                np.abs(np.hypot(r - self.major_mm, z) - self.minor_mm) for r in (radius, -radius)
+            ]
             side = np.where(off[1] < off[0], -1.0, 1.0)
             x, y, radius = side * x, side * y, side * radius
-        return np.column_stack([_angle(x, y), np.arctan2(z, radius - self.major)])
+        return np.column_stack([_angle(x, y), np.arctan2(z, radius - self.major_mm)])
 
 
 @dataclass(frozen=True)
@@ -369,7 +371,7 @@ class Offset:
     """Another surface moved by a distance along its own normal."""
 
     basis: Surface
-    distance: float
+    distance_mm: float
     kind = "offset"
     v_limits = _ENDLESS
     varies = ("uv", "uv")
@@ -388,7 +390,7 @@ class Offset:
 
     def evaluate(self, uv: np.ndarray) -> np.ndarray:
         """Points at parameters (N, 2); (N, 3) mm."""
-        return self.basis.evaluate(uv) + self.distance * unit_normals(self.basis, uv)
+        return self.basis.evaluate(uv) + self.distance_mm * unit_normals(self.basis, uv)
 
     def derivatives(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """dS/du and dS/dv, (N, 3) each, by central differences, good enough for lengths."""

@@ -18,6 +18,10 @@ _DIGITS = 15  #: whole numbers of so many digits are exact, and so are these pow
 _COLUMN = np.full(26, -1)
 _COLUMN[[ord(letter) - ord("A") for letter in LETTERS]] = np.arange(len(LETTERS))
 _A, _C, _F, _G, _L, _M, _P, _R, _X = (ord(letter) for letter in "ACFGLMPRX")
+_BLANK, _TAB, _RETURN, _NEWLINE = (ord(character) for character in " \t\r\n")
+_SEMICOLON, _OPENING, _CLOSING, _EQUAL = (ord(character) for character in ";()=")
+_PLUS, _MINUS, _POINT, _ZERO, _NINE = (ord(character) for character in "+-.09")
+_CAPITAL = 223  #: mask that makes a letter a capital one
 _MAX, _AUTO = (np.frombuffer(word, np.uint8) for word in (b"MAX", b"AUTO"))
 _FORMS = ("letters", "equal signs", "klartext")
 
@@ -98,23 +102,23 @@ def _read_lines(data, first, last, form, found):  # pragma: no cover - compiled
 def _number(data, at):  # pragma: no cover - compiled
     """A number that begins there: value, decimals, where it ends; -1 where there is none."""
     sign = data[at]
-    if sign in (43, 45):
+    if sign in (_PLUS, _MINUS):
         at += 1
     mantissa, digits, decimals = 0, 0, -1
     while True:
-        digit = np.int64(data[at]) - 48
+        digit = np.int64(data[at]) - _ZERO
         if 0 <= digit <= 9:
             mantissa = mantissa * 10 + digit
             digits += 1
             decimals += decimals >= 0
-        elif data[at] == 46 and decimals < 0:
+        elif data[at] == _POINT and decimals < 0:
             decimals = 0
         else:
             break
         at += 1
     if digits == 0 or digits > _DIGITS:
         return 0.0, 0, -1
-    return mantissa / _POWERS[max(decimals, 0)] * (-1.0 if sign == 45 else 1.0), decimals, at
+    return mantissa / _POWERS[max(decimals, 0)] * (-1.0 if sign == _MINUS else 1.0), decimals, at
 
 
 @njit(cache=True)
@@ -129,31 +133,56 @@ def _put(data, begin, number, place, found):  # pragma: no cover - compiled
     if axis < 3:
         found.value[k, axis] = value
     found.fill[k, axis] = max(decimals, 0)
-    found.is_bare[k, axis] = data[begin + (sign in (43, 45))] == 46
-    found.has_plus[k, axis] = sign == 43
-    found.has_minus[k, axis] = sign == 45
-    found.has_zero[k, axis] = data[begin] == 48
+    found.is_bare[k, axis] = data[begin + (sign in (_PLUS, _MINUS))] == _POINT
+    found.has_plus[k, axis] = sign == _PLUS
+    found.has_minus[k, axis] = sign == _MINUS
+    found.has_zero[k, axis] = data[begin] == _ZERO
     return True
 
 
 @njit(cache=True)
 def _is_gap(c):  # pragma: no cover - compiled
-    return c in (32, 9, 13, 10)
+    return c in (_BLANK, _TAB, _RETURN, _NEWLINE)
+
+
+@njit(cache=True)
+def _is_digit(c):  # pragma: no cover - compiled
+    return _ZERO <= c <= _NINE
+
+
+@njit(cache=True)
+def _behind_gaps(data, at, last):  # pragma: no cover - compiled
+    while at < last and _is_gap(data[at]):
+        at += 1
+    return at
+
+
+@njit(cache=True)
+def _behind_block_number(data, at, last):  # pragma: no cover - compiled
+    """Where the word of a Klartext line begins; -1 where its number runs on into a word."""
+    at = _behind_gaps(data, at, last)
+    if not _is_digit(data[at]):
+        return at
+    while _is_digit(data[at]):
+        at += 1
+    return _behind_gaps(data, at, last) if _is_gap(data[at]) else -1
+
+
+@njit(cache=True)
+def _behind_comment(data, at, last):  # pragma: no cover - compiled
+    """Where a comment in parentheses ends; -1 where another opens in it, or it does not end."""
+    while at < last and data[at] != _CLOSING:
+        at += 1
+        if data[at] == _OPENING:
+            return -1
+    return -1 if at == last else at + 1
 
 
 @njit(cache=True)
 def _read_klartext(data, at, last, k, found):  # pragma: no cover - compiled
     """Find the words of a line L with X Y Z, F, FMAX, FAUTO, R0 and M; tells whether it is one."""
-    while at < last and _is_gap(data[at]):
-        at += 1
-    if 48 <= data[at] <= 57:
-        while 48 <= data[at] <= 57:
-            at += 1
-        if not _is_gap(data[at]):
-            return False
-        while at < last and _is_gap(data[at]):
-            at += 1
-    if at >= last or data[at] & 223 != _L or not _is_gap(data[at + 1]):
+    at = _behind_block_number(data, at, last)
+    if at < 0 or at >= last or data[at] & _CAPITAL != _L or not _is_gap(data[at + 1]):
         return False
     at += 1
     found.behind[k] = at
@@ -162,14 +191,14 @@ def _read_klartext(data, at, last, k, found):  # pragma: no cover - compiled
         if _is_gap(c):
             at += 1
             continue
-        if c == 59:  # ;
+        if c == _SEMICOLON:
             return True
-        letter = c & 223
+        letter = c & _CAPITAL
         begin = at + 1
         if letter == _F:
             at = _feed_end(data, begin)
         elif letter == _R:
-            at = begin + 1 if data[begin] == 48 and _is_gap(data[begin + 1]) else -1
+            at = begin + 1 if data[begin] == _ZERO and _is_gap(data[begin + 1]) else -1
         elif letter == _M:
             value, decimals, at = _number(data, begin)
             at = at if decimals < 0 and 0.0 <= value < 100.0 else -1
@@ -181,7 +210,7 @@ def _read_klartext(data, at, last, k, found):  # pragma: no cover - compiled
             if not _put(data, begin, (value, decimals, at), (k, axis), found):
                 return False
             found.behind[k] = at
-        if at < 0 or not (_is_gap(data[at]) or data[at] == 59):
+        if at < 0 or not (_is_gap(data[at]) or data[at] == _SEMICOLON):
             return False
     return True
 
@@ -189,12 +218,12 @@ def _read_klartext(data, at, last, k, found):  # pragma: no cover - compiled
 @njit(cache=True)
 def _feed_end(data, at):  # pragma: no cover - compiled
     """Where F with a number, MAX or AUTO ends, -1 where it is none of them."""
-    while data[at] == 32:
+    while data[at] == _BLANK:
         at += 1
-    size = 3 if data[at] & 223 == _M else 4
+    size = 3 if data[at] & _CAPITAL == _M else 4
     word = _MAX if size == 3 else _AUTO
     for offset in range(size):
-        if data[at + offset] & 223 != word[offset]:
+        if data[at + offset] & _CAPITAL != word[offset]:
             return _number(data, at)[2]
     return at + size
 
@@ -205,27 +234,23 @@ def _read_line(data, at, last, k, found, has_equals):  # pragma: no cover - comp
     has_place = False
     while at < last:
         c = data[at]
-        if c in (32, 9, 13, 10):
+        if _is_gap(c):
             at += 1
             continue
-        if c == 59:  # ;
+        if c == _SEMICOLON:
             return True
-        if c == 40:  # (
-            while at < last and data[at] != 41:
-                at += 1
-                if data[at] == 40:
-                    return False
-            if at == last:
+        if c == _OPENING:
+            at = _behind_comment(data, at, last)
+            if at < 0:
                 return False
-            at += 1
             continue
-        letter = c & 223
+        letter = c & _CAPITAL
         at += 1
-        is_radius = has_equals and letter == _C and data[at] & 223 == _R
+        is_radius = has_equals and letter == _C and data[at] & _CAPITAL == _R
         if is_radius:
             letter = _R
             at += 1
-        is_equal = has_equals and data[at] == 61
+        is_equal = has_equals and data[at] == _EQUAL
         if is_equal:
             at += 1
         if has_equals and letter in (_R, _G) and is_equal != is_radius:

@@ -10,6 +10,8 @@ from vmach.base.colour_ramp import COLOUR_STOPS, UNKNOWN_COLOUR
 
 __all__ = ["colour_range", "colours_of", "nice_ceiling"]
 
+_LEAST_RANGE_MM = 1e-6  #: end of the scale where nothing deviates
+
 
 def _rgb(colour: str) -> list[int]:
     return [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
@@ -31,10 +33,10 @@ def nice_ceiling(value: float) -> float:
     return next(step * decade for step in steps if step * decade >= value * (1 - 1e-9))
 
 
-def colour_range(values_mm: list[np.ndarray], *, floor_mm: float = 1e-6) -> float:
+def colour_range(values_mm: list[np.ndarray]) -> float:
     """Return the end of a common colour scale: 99 % of all values, (P,) mm each, are within.
 
     A few gross points must not wash out the rest; they keep the colour of the end.
     """
     quantiles = [np.quantile(np.abs(values), 0.99) for values in values_mm if values.size]
-    return nice_ceiling(max([floor_mm, *quantiles]))
+    return nice_ceiling(max([_LEAST_RANGE_MM, *quantiles]))

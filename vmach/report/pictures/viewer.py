@@ -22,7 +22,7 @@ __all__ = ["open_viewer"]
 _BAR_TITLE = "µm, positive: material left"
 
 
-def open_viewer(folder: str | Path, *, screenshot: str | Path | None = None) -> None:
+def open_viewer(folder: str | Path) -> None:
     """Show the part of a result folder coloured by its deviations; ``n`` shows the next column.
 
     Parameters
@@ -30,8 +30,6 @@ def open_viewer(folder: str | Path, *, screenshot: str | Path | None = None) -> 
     folder : path
         With deviations.csv, and part.stl where there is a virtual part; the points alone are
         shown where there is none.
-    screenshot : path, optional
-        Write a picture of the window there instead of opening it.
 
     Raises
     ------
@@ -42,14 +40,13 @@ def open_viewer(folder: str | Path, *, screenshot: str | Path | None = None) -> 
     if not folder.is_dir():
         raise InputError("no such folder", file=folder, accepted="an output folder of vmach run")
     points = read_deviations_csv(folder / "deviations.csv")
-    if screenshot is None and not _has_display():
+    if not _has_display():
         raise InputError(
             "no display to open a window on",
             file=folder,
             hint=f"open {folder / 'report.html'} in a browser; it has the same map",
         )
-    plotter = _plotter(folder, points, off_screen=screenshot is not None)
-    plotter.show(screenshot=screenshot or False)
+    _plotter(folder, points).show()
 
 
 def _has_display() -> bool:
@@ -58,14 +55,14 @@ def _has_display() -> bool:
     return True
 
 
-def _plotter(folder: Path, points: InspectedPoints, *, off_screen: bool):
+def _plotter(folder: Path, points: InspectedPoints):
     import pyvista  # late: seconds that only this command needs
     from matplotlib.colors import LinearSegmentedColormap
 
     surface = _coloured_surface(folder / "part.stl", points)
     names = [column.name for column in points.columns]
     range_um = um_from_mm(common_range_mm(points.columns))
-    plotter = pyvista.Plotter(off_screen=off_screen, title=f"vmach: {folder}")
+    plotter = pyvista.Plotter(title=f"vmach: {folder}")
 
     def show(name: str) -> None:
         plotter.add_mesh(

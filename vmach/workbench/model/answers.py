@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from gcode import readable
-from vmach.base.units import um_from_mm
-from vmach.errors import InputError
+from vmach.base.units import mm_from_um, um_from_mm
 from vmach.job import Job, job_name
 from vmach.machine import Variant
+from vmach.machine.variant_name import variant_called
 from vmach.report import ReportView
 from vmach.report.page.payload import pack_mesh
 from vmach.workbench.model.effect_cards import effect_cards
@@ -101,10 +101,10 @@ class Answers:
         """Figures of a quantity, and its value at every vertex (V,) float32 um, NaN unknown."""
         part = self._model
         wanted = read_changes(changes, part.job, part.effects)
-        points, value_mm = values_mm(part, quantity, _variant(model), wanted)
+        points, value_mm = values_mm(part, quantity, variant_called(model), wanted)
         tolerance_mm = part.job.inspection.tolerance_mm
         if tolerance_um is not None:
-            tolerance_mm = 1e-3 * tolerance_um
+            tolerance_mm = mm_from_um(tolerance_um)
         figures = figures_of(points, value_mm, tolerance_mm)
         return figures | {"quantity": quantity, "model": model}, self._at_vertices(points, value_mm)
 
@@ -115,12 +115,12 @@ class Answers:
         """As `values`, less what another job answered, at the points that both have."""
         part = self._model
         wanted = read_changes(changes, part.job, part.effects)
-        points, value_mm = values_mm(part, quantity, _variant(model), wanted)
+        points, value_mm = values_mm(part, quantity, variant_called(model), wanted)
         left_mm = less_of_other(points, value_mm, *minus)
         of_both = np.isfinite(left_mm)
         tolerance_mm = part.job.inspection.tolerance_mm
         if tolerance_um is not None:
-            tolerance_mm = 1e-3 * tolerance_um
+            tolerance_mm = mm_from_um(tolerance_um)
         figures = figures_of(points.only(of_both), left_mm[of_both], tolerance_mm)
         return figures | {"quantity": quantity, "model": model}, self._at_vertices(points, left_mm)
 
@@ -148,7 +148,7 @@ class Answers:
         """Write the one-file report of what is shown; `minus` is what another job answered."""
         part = self._model
         wanted = read_changes(changes, part.job, part.effects)
-        points, value_mm = values_mm(part, quantity, _variant(model), wanted)
+        points, value_mm = values_mm(part, quantity, variant_called(model), wanted)
         asked = next(one for one in quantities(part) if one.name == quantity)
         facts = {"shown": asked.label, "sliders": sliders_in_words(changes)}
         facts |= {"error model": model} if asked.has_models else {}
@@ -160,7 +160,7 @@ class Answers:
             )
             facts |= {"minus": str(minus[0]["name"])}
         is_signed = asked.is_signed or minus is not None
-        shown = Shown(points, value_mm, label, facts, 1e-3 * tolerance_um, is_signed)
+        shown = Shown(points, value_mm, label, facts, mm_from_um(tolerance_um), is_signed)
         still = None if picture is None else Path(picture)
         write_screen_report(Path(path), part, shown, ReportView(**view), picture=still)
         return {}, b""
@@ -178,7 +178,7 @@ class Answers:
         """The point nearest to a place on a face of its direction."""
         found = self._model.point_set(points)
         row = found.nearest(np.array(at, float), np.array(normal, float))
-        return ({} if row is None else point_facts(self._model, found, row)), b""
+        return ({} if row is None else point_facts(found, row)), b""
 
     def line(self, line: int) -> Answer:
         """What a line of the program makes: figures, and places (N, 3) float32."""
@@ -202,7 +202,7 @@ class Answers:
 
     def point_values(self, quantity: str, model: str) -> Answer:
         """A quantity at its points: their names, and (C,) float64 mm."""
-        points, value_mm = values_mm(self._model, quantity, _variant(model))
+        points, value_mm = values_mm(self._model, quantity, variant_called(model))
         return {"name": job_name(self._model.job.path), "ids": points.id.tolist()}, (
             value_mm.astype("<f8").tobytes()
         )
@@ -237,13 +237,6 @@ def _read_by(job: Job) -> list[Path]:
     """Files of readings that a job names; those that cannot be are refused when they are read."""
     names = [one.get("file") for one in job.measurements]
     return [job.folder / name for name in names if isinstance(name, str)]
-
-
-def _variant(name: str) -> Variant:
-    try:
-        return Variant(name)
-    except ValueError:
-        raise InputError(f"model = {name!r}", accepted=", ".join(map(str, Variant))) from None
 
 
 #: what may be asked

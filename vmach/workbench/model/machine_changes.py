@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from vmach.base.finite_number import is_number
 from vmach.base.units import mm_from_um, rad_from_urad, um_from_mm, urad_from_rad
 from vmach.errors import InputError
 from vmach.machine import Machine, Variant
@@ -114,14 +114,9 @@ def drawn_table_text(machine: Machine, wanted: Mapping[str, Any]) -> str:
 def _numbers(one: Mapping[str, Any], key: str, count: int) -> list[float]:
     values = one[key]
     is_list = isinstance(values, list) and len(values) == count
-    if not is_list or not all(_is_number(value) for value in values):
+    if not is_list or not all(is_number(value, _MOST) for value in values):
         raise InputError(f"{key} of {one['component']}", accepted=f"{count} numbers")
     return [float(value) for value in values]
-
-
-def _is_number(value: Any) -> bool:
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return is_number and math.isfinite(value) and abs(value) <= _MOST
 
 
 def _handles_mm(machine: Machine, name: str) -> np.ndarray:

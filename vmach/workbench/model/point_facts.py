@@ -8,7 +8,6 @@ import numpy as np
 
 from vmach.base.units import um_from_mm
 from vmach.machine import Variant
-from vmach.workbench.model.part_model import PartModel
 from vmach.workbench.model.point_set import PointSet
 
 __all__ = ["point_facts", "points_of_line"]
@@ -17,7 +16,7 @@ __all__ = ["point_facts", "points_of_line"]
 _MOST_SHOWN = 2000
 
 
-def point_facts(model: PartModel, points: PointSet, row: int) -> dict[str, Any]:
+def point_facts(points: PointSet, row: int) -> dict[str, Any]:
     """Where a point is, what made it, and the share of every error, um."""
     states, budget = points.states[np.array([row])], points.budget(Variant.ABBE)
     order = np.argsort(-np.abs(budget.share_mm[row]), kind="stable")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import binascii
 import io
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,6 +14,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
+from vmach.base.finite_number import is_number
 from vmach.errors import InputError
 from vmach.workbench.exchange import read_json, session_of
 from vmach.workbench.results import result_place
@@ -71,15 +71,10 @@ def _view(asked: Any) -> dict[str, Any]:
 def _numbers(asked: Mapping[str, Any], name: str, count: int) -> tuple[float, ...]:
     given = asked.get(name)
     values = given if isinstance(given, list) else [given]
-    is_good = len(values) == count and all(_is_number(value) for value in values)
+    is_good = len(values) == count and all(is_number(value, _LARGEST) for value in values)
     if not is_good:
         raise InputError(f"{name} = {str(given)[:60]}", accepted=f"{count} finite numbers")
     return tuple(float(value) for value in values)
-
-
-def _is_number(value: Any) -> bool:
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return is_number and math.isfinite(value) and abs(value) <= _LARGEST
 
 
 def _picture(asked: Any) -> bytes | None:

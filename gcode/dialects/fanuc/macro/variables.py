@@ -18,7 +18,6 @@ _COMMON = (range(100, 200), range(500, 1000))
 _FIRST_SYSTEM = 5221  #: #5221 to #5226 are G54
 _AXES = "xyzabc"
 _SYSTEMS = 6  #: G54 to G59 have variables of their own
-_SIDES = {0: 40.0, 1: 41.0, -1: 42.0}
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from gcode.dialects.heidenhain.cycles.thread_milling import THREADS, mill_thread
 from gcode.dialects.heidenhain.m_functions import m_code
 from gcode.dialects.heidenhain.parameters import NUMBER
 from gcode.errors import ProgramError
-from gcode.language.translate import number
+from gcode.language.translate import number, xy_words
 
 if TYPE_CHECKING:
     from gcode.dialects.heidenhain.reader import KlartextReader
@@ -161,7 +161,7 @@ class CycleCalls:
         if shift and (self.cycle is None or "203" not in self.cycle[1]):
             raise ProgramError(f"CYCL CALL POS with Z{shift:+g} beside a cycle without Q203",
                                accepted="Z+0, or CYCL DEF 7 with the shift")  # fmt: skip
-        self.reader.execute(f"g0x{number(end[0])}y{number(end[1])}")
+        self.reader.execute(f"g0{xy_words(end[0], end[1])}")
         if shift:
             number_, data = self.cycle
             self._run(number_, _raised(data, shift))
@@ -223,7 +223,7 @@ class CycleCalls:
         out = data.get("203", 0.0) + max(data.get("200", 0.0), data.get("204", 0.0))
         if reader.here()[2] < out:
             reader.execute(f"g0z{number(out)}")
-        reader.execute(f"g0x{number(x)}y{number(y)}")
+        reader.execute(f"g0{xy_words(x, y)}")
         self._run(cycle, data)
 
 

@@ -16,13 +16,14 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from gcode.dialects.heidenhain.cycles.contours import read_contour
+from gcode.dialects.heidenhain.cycles.parameter import cycle_parameter
 from gcode.dialects.heidenhain.tool_call import tool_of_spindle
 from gcode.errors import ProgramError
 from gcode.geometry.arcs import Point
 from gcode.geometry.regions import CHORD_MM, Region, polyline
 from gcode.language.area_milling import check_rounds
 from gcode.language.contours import Contour
-from gcode.language.translate import number
+from gcode.language.translate import number, xy_words
 
 if TYPE_CHECKING:
     from gcode.dialects.heidenhain.reader import KlartextReader
@@ -36,12 +37,7 @@ _INNER_MM = 0.01
 
 
 class ContourCycles:
-    """Labels of cycle 14 and data of cycle 20.
-
-    Parameters
-    ----------
-    reader : KlartextReader
-    """
+    """Labels of cycle 14, data of cycles 20 and 270."""
 
     def __init__(self) -> None:
         self.labels: list[str] = []
@@ -98,12 +94,9 @@ class _Milling:
         if self.tool_radius <= 0.0 and cycle != 21:
             raise ProgramError("a milling cycle needs a tool with a diameter")
 
-    def q(self, name: int, default: float | None = None) -> float:
+    def q(self, number: int, default: float | None = None) -> float:
         """A parameter."""
-        value = self.data.get(str(name), default)
-        if value is None:
-            raise ProgramError(f"Q{name} of cycle {self.cycle} is missing")
-        return value
+        return cycle_parameter(self.data, self.cycle, number, default)
 
     def feed(self, name: int) -> float:
         """A feed; that of TOOL CALL where it is not said."""
@@ -177,12 +170,12 @@ class _Milling:
     def _ring(self, ring: list[Point], level: float, feed: float) -> Iterator[str]:
         if self.q(9, 1.0) < 0.0:
             ring = ring[::-1]
-        start = f"x{number(ring[0][0])}y{number(ring[0][1])}"
+        start = xy_words(ring[0][0], ring[0][1])
         yield f"g0{start}"
         yield f"g0z{number(self.near)}"
         yield f"g1z{number(level)}f{number(self.feed(11))}"
         for k, (x, y) in enumerate((*ring[1:], ring[0])):
-            yield f"g1x{number(x)}y{number(y)}" + (f"f{number(feed)}" if k == 0 else "")
+            yield f"g1{xy_words(x, y)}" + (f"f{number(feed)}" if k == 0 else "")
         yield f"g0z{number(self.clear)}"
 
     def _pilot_holes(self, bottom: float) -> Iterator[str]:
@@ -193,7 +186,7 @@ class _Milling:
         if self.tool_radius <= 0.0:
             raise ProgramError("cycle 21 needs Q13, the number of the tool that roughs")
         for x, y in dict.fromkeys(ring[0] for ring in self._rings):
-            yield f"g0x{number(x)}y{number(y)}"
+            yield f"g0{xy_words(x, y)}"
             yield f"g0z{number(self.near)}"
             for level in self._levels(bottom):
                 yield f"g1z{number(level)}f{number(self.feed(11))}"
@@ -210,13 +203,13 @@ class _Milling:
             raise ProgramError("cycle 25 with an allowance Q3", accepted="Q3=0, or DR of TOOL CALL")
         tool = self.reader.controller.tool
         for level in self._levels(self.floor):
-            yield f"g0x{number(begin[0])}y{number(begin[1])}"
+            yield f"g0{xy_words(begin[0], begin[1])}"
             yield f"g1z{number(level)}f{number(self.feed(11))}"
             if contour.side:
                 yield f"g{41 if contour.side > 0 else 42}d{tool}"
-            start = f"x{number(contour.start[0])}y{number(contour.start[1])}"
+            start = xy_words(contour.start[0], contour.start[1])
             yield f"g1{start}f{number(self.feed(12))}"
             yield from contour.blocks()
             yield "g40"
-            yield f"g1x{number(end[0])}y{number(end[1])}"  # up from beside the contour
+            yield f"g1{xy_words(end[0], end[1])}"  # up from beside the contour
             yield f"g0z{number(self.clear)}"

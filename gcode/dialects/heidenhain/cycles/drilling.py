@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
+from gcode.dialects.heidenhain.cycles.parameter import cycle_parameter
 from gcode.errors import ProgramError
-from gcode.language.translate import number
+from gcode.language.translate import number, xy_words
 
 if TYPE_CHECKING:
     from gcode.dialects.heidenhain.reader import KlartextReader
@@ -38,8 +39,8 @@ _SPINDLE = {
 class _Hole:
     """One hole at the present place."""
 
-    def __init__(self, reader: KlartextReader, data: Mapping[str, float]) -> None:
-        self.reader, self.data = reader, data
+    def __init__(self, reader: KlartextReader, cycle: int, data: Mapping[str, float]) -> None:
+        self.reader, self.cycle, self.data = reader, cycle, data
         self.surface = self.q(203, 0.0)
         self.clear = self.surface + self.q(200)
         self.bottom = self.surface + (-self.q(250) if "250" in data else self.q(201))
@@ -55,10 +56,7 @@ class _Hole:
 
     def q(self, number: int, default: float | None = None) -> float:
         """A parameter of the cycle."""
-        value = self.data.get(str(number), default)
-        if value is None:
-            raise ProgramError(f"Q{number} of the cycle is missing")
-        return value
+        return cycle_parameter(self.data, self.cycle, number, default)
 
     def rapid(self, level: float) -> None:
         """FMAX along the tool axis."""
@@ -200,7 +198,7 @@ def _back_boring(hole: _Hole) -> None:
 
 def _beside(here: list[float], aside: tuple[int, int], away: float = _OFF_THE_WALL_MM) -> str:
     place = [h + away * a for h, a in zip(here, aside, strict=False)]
-    return f"g0x{number(place[0])}y{number(place[1])}"
+    return f"g0{xy_words(place[0], place[1])}"
 
 
 def _tapping_in_steps(hole: _Hole) -> None:
@@ -248,7 +246,7 @@ def drill(reader: KlartextReader, number: int, data: dict[str, float]) -> None:
         data = _rigid(reader, data)
     if number in _SPINDLE:
         reader.keep(_SPINDLE[number])
-    hole = _Hole(reader, data)
+    hole = _Hole(reader, number, data)
     hole.rapid(hole.clear)
     DRILLING[number](hole)
     hole.rapid(hole.out)

@@ -11,12 +11,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import TYPE_CHECKING
 
+from gcode.dialects.heidenhain.cycles.parameter import cycle_parameter
 from gcode.dialects.heidenhain.tool_call import tool_of_spindle
 from gcode.errors import ProgramError
 from gcode.language.face_milling import Face, layers, mill_face
-from gcode.language.translate import number
+from gcode.language.translate import number, xy_words
 
 if TYPE_CHECKING:
     from gcode.dialects.heidenhain.reader import KlartextReader
@@ -35,12 +37,7 @@ Parameter = Callable[..., float]
 
 def mill(reader: KlartextReader, cycle: int, data: Mapping[str, float]) -> None:
     """Do the cycle; the tool ends at the second set-up clearance."""
-
-    def q(key: int, default: float | None = None) -> float:
-        value = data.get(str(key), default)
-        if value is None:
-            raise ProgramError(f"Q{key} of cycle {cycle} is missing")
-        return value
+    q: Parameter = partial(cycle_parameter, data, cycle)
 
     reader.controller.note(
         f"CYCL DEF {cycle}",
@@ -110,23 +107,19 @@ def _corner(reader: KlartextReader, q: Parameter) -> tuple[float, float]:
     return x - stands[0] * q(218), y - stands[1] * q(219)
 
 
-def _place(x: float, y: float) -> str:
-    return f"x{number(x)}y{number(y)}"
-
-
 def _passes(q: Parameter, count: int, radius: float) -> Iterator[str]:
     """Cycle 230: lines to and fro at one level, the tool's radius beyond either end."""
     left, level = math.copysign(radius, q(218)), q(227)
     ends = q(225) - left, q(225) + q(218) + left
     clear = f"g0z{number(level + q(200))}"
-    yield f"g0{_place(ends[0], q(226))}"
+    yield f"g0{xy_words(ends[0], q(226))}"
     yield clear
     yield f"g1z{number(level)}f{number(q(206))}"
     for k in range(count):
         across = q(226) + q(219) * k / (count - 1)
         if k:
-            yield f"g1{_place(ends[k % 2], across)}f{number(q(209))}"
-        yield f"g1{_place(ends[1 - k % 2], across)}f{number(q(207))}"
+            yield f"g1{xy_words(ends[k % 2], across)}f{number(q(209))}"
+        yield f"g1{xy_words(ends[1 - k % 2], across)}f{number(q(207))}"
     yield clear
 
 
@@ -135,16 +128,16 @@ def _ruled(q: Parameter, count: int, radius: float) -> Iterator[str]:
     first, second, third, fourth = ([q(225 + 3 * k + a) for a in range(3)] for k in range(4))
     feed = f"f{number(q(207))}"
     top = max(p[2] for p in (first, second, third, fourth)) + 2.0 * radius
-    yield f"g0{_place(*first[:2])}z{number(first[2] + 2.0 * radius)}"
+    yield f"g0{xy_words(*first[:2])}z{number(first[2] + 2.0 * radius)}"
     for k in range(count):
         share = k / (count - 1)
         begin, end = (
             [a + (b - a) * share for a, b in zip(p, r, strict=True)]
             for p, r in ((first, fourth), (second, third))
         )
-        yield f"g1{_place(*begin[:2])}z{number(begin[2])}{feed}"
-        yield f"g1{_place(*end[:2])}z{number(end[2])}{feed}"
+        yield f"g1{xy_words(*begin[:2])}z{number(begin[2])}{feed}"
+        yield f"g1{xy_words(*end[:2])}z{number(end[2])}{feed}"
         up = max(end[2], begin[2]) + 2.0 * radius
         yield f"g0z{number(up if k + 1 < count else top)}"
         if k + 1 < count:
-            yield f"g0{_place(*begin[:2])}"
+            yield f"g0{xy_words(*begin[:2])}"

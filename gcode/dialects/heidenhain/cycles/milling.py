@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
+from gcode.dialects.heidenhain.cycles.parameter import cycle_parameter
 from gcode.dialects.heidenhain.tool_call import tool_of_spindle
 from gcode.errors import ProgramError
 from gcode.geometry.arcs import Point
@@ -17,7 +18,7 @@ from gcode.geometry.curved_slot import CurvedSlot
 from gcode.geometry.outlines import Outline
 from gcode.geometry.polygons import Polygon
 from gcode.language.area_milling import Area, mill_bore, mill_pocket, mill_stud
-from gcode.language.translate import number
+from gcode.language.translate import number, xy_words
 
 if TYPE_CHECKING:
     from gcode.dialects.heidenhain.reader import KlartextReader
@@ -44,10 +45,7 @@ class _Data:
 
     def q(self, number: int, default: float | None = None) -> float:
         """A parameter."""
-        value = self.data.get(str(number), default)
-        if value is None:
-            raise ProgramError(f"Q{number} of cycle {self.number} is missing")
-        return value
+        return cycle_parameter(self.data, self.number, number, default)
 
     def reference(self, half_length: float, half_width: float, angle_deg: float) -> Point:
         """Centre of a pocket whose place Q367 the tool stands at."""
@@ -182,4 +180,4 @@ def mill(reader: KlartextReader, kind: int, data: Mapping[str, float]) -> None:
         reader.execute(
             f"g0z{number(max(out, reader.here()[2]))}", *cycle.blocks(), f"g0z{number(out)}"
         )
-    reader.execute(f"g0x{number(cycle.here[0])}y{number(cycle.here[1])}")
+    reader.execute(f"g0{xy_words(cycle.here[0], cycle.here[1])}")

@@ -14,9 +14,10 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
+from gcode.dialects.heidenhain.cycles.parameter import cycle_parameter
 from gcode.dialects.heidenhain.tool_call import tool_of_spindle
 from gcode.errors import ProgramError
-from gcode.language.translate import number
+from gcode.language.translate import number, xy_words
 
 if TYPE_CHECKING:
     from gcode.dialects.heidenhain.reader import KlartextReader
@@ -53,12 +54,9 @@ class _Thread:
                                f"{self.q(335):g}")  # fmt: skip
         self.feed = self.q(207) * self.radius / wall
 
-    def q(self, name: int, default: float | None = None) -> float:
+    def q(self, number: int, default: float | None = None) -> float:
         """A parameter."""
-        value = self.data.get(str(name), default)
-        if value is None:
-            raise ProgramError(f"Q{name} of cycle {self.cycle} is missing")
-        return value
+        return cycle_parameter(self.data, self.cycle, number, default)
 
     # thread
 
@@ -99,7 +97,7 @@ class _Thread:
     def helices(self) -> Iterator[str]:
         """Blocks of the thread, from the middle of the hole, or from beside the stud, and back."""
         code, feed = self.code, f"f{number(self.feed)}"
-        wall = f"x{number(self.x + self.radius)}y{number(self.y)}"
+        wall = xy_words(self.x + self.radius, self.y)
         for first, last in self.turns():
             count = round(abs(last - first) / abs(self.pitch))
             if count > _MOST_TURNS:
@@ -113,7 +111,7 @@ class _Thread:
     def beside(self) -> str:
         """Where the tool touches nothing: the middle of a hole, two radii off a stud's thread."""
         away = self.radius + 2.0 * self.tool_radius if self.is_outside else 0.0
-        return f"x{number(self.x + away)}y{number(self.y)}"
+        return xy_words(self.x + away, self.y)
 
     def _across(self, place: str) -> str:
         if self.is_outside:
@@ -156,7 +154,7 @@ class _Thread:
         feed = f"f{number(self.q(254, self.data.get('206')))}"
         yield f"g1{self.beside}z{number(self.surface + depth)}f{number(self.approach)}"
         if aside > 0.0:
-            wall = f"x{number(self.x + aside)}y{number(self.y)}"
+            wall = xy_words(self.x + aside, self.y)
             lead = "g1{}" if self.is_outside else f"g3{{}}r{number(aside / 2.0)}"
             yield lead.format(wall) + feed
             yield f"g3{wall}i{number(-aside)}j0"
@@ -179,7 +177,7 @@ class _Thread:
             yield from self.sink_front()
         yield f"g0z{number(self.out)}"
         if self.is_outside:
-            yield f"g0x{number(self.x)}y{number(self.y)}"
+            yield f"g0{xy_words(self.x, self.y)}"
 
 
 def mill_thread(reader: KlartextReader, cycle: int, data: Mapping[str, float]) -> None:

@@ -13,7 +13,7 @@ from gcode.dialects.sinumerik.cycles.milling import MILLING, mill
 from gcode.dialects.sinumerik.cycles.thread_milling import mill_thread
 from gcode.errors import ProgramError
 from gcode.geometry.arcs import Point
-from gcode.language.translate import number
+from gcode.language.translate import number, xy_words
 
 if TYPE_CHECKING:
     from gcode.dialects.sinumerik.reader import SinumerikReader
@@ -107,7 +107,7 @@ class CycleCalls:
             reader.subprograms.run([*lines, back])
             return
         for x, y in places:
-            reader.execute(f"g90g0x{number(x)}y{number(y)}")
+            reader.execute(f"g90g0{xy_words(x, y)}")
             self.do_modal()
         c.motion, c.absolute = modal, absolute
 

@@ -15,7 +15,7 @@ from gcode.errors import ProgramError
 from gcode.geometry.arcs import Point
 from gcode.language.contours import Contour, contour_of
 from gcode.language.face_milling import layers
-from gcode.language.translate import number
+from gcode.language.translate import number, xy_words
 from gcode.state.controller import Controller
 
 if TYPE_CHECKING:
@@ -122,14 +122,14 @@ class _Along:
         feed, down = f"f{number(self.a('FFP1'))}", f"f{number(self.a('FFD', self.a('FFP1')))}"
         link = f"g1f{number(self.a('FF3', self.a('FFP1')))}" if self.link else "g0"
         yield f"g0z{number(max(self.a('RTP'), clear))}"
-        yield f"g0{_place(first)}"
+        yield f"g0{xy_words(*first)}"
         yield f"g0z{number(clear)}"
         for level in layers(surface, floor, abs(self.a("MID"))):
-            yield f"{link}{_place(first)}"
+            yield f"{link}{xy_words(*first)}"
             yield f"g1z{number(level)}{down}"
-            yield f"{lead_in}{_place(begin)}{feed}"
+            yield f"{lead_in}{xy_words(*begin)}{feed}"
             yield from self._wall(distance, end)
-            yield f"{lead_out}{_place(last)}"
+            yield f"{lead_out}{xy_words(*last)}"
             height = (self.a("RTP"), clear, level + abs(self.a("SDIS")), level)[self.out]
             yield f"g0z{number(height)}"
         yield f"g0z{number(self.a('RTP'))}"
@@ -141,11 +141,7 @@ class _Along:
             return
         code = "g41.1" if self.contour.side > 0 else "g42.1"
         yield f"{code}d{number(2.0 * distance)}"
-        yield f"g1{_place(self.contour.start)}"
+        yield f"g1{xy_words(*self.contour.start)}"
         yield from self.contour.blocks()
         yield "g40"
-        yield f"g1{_place(end)}"
-
-
-def _place(point: Point) -> str:
-    return f"x{number(point[0])}y{number(point[1])}"
+        yield f"g1{xy_words(*end)}"

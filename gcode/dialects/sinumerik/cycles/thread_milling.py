@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from gcode.dialects.sinumerik.cycles.modes import check_milling_modes
 from gcode.errors import ProgramError
-from gcode.language.translate import number
+from gcode.language.translate import number, xy_words
 
 if TYPE_CHECKING:
     from gcode.dialects.sinumerik.reader import SinumerikReader
@@ -43,8 +43,8 @@ def mill_thread(reader: SinumerikReader, arguments: list[float | None]) -> None:
         raise ProgramError(f"CYCLE90: a tool of radius {mill:g}, a thread of {outer:g} and {turns} "
                            "turns")  # fmt: skip
     top, code, modal = bottom + turns * abs(pitch), f"g{sense:.0f}", c.motion
-    wall, middle = f"x{number(x + radius)}y{number(y)}", f"x{number(x)}y{number(y)}"
-    aside = f"x{number(x + radius + 2.0 * mill)}y{number(y)}" if kind else middle
+    wall, middle = xy_words(x + radius, y), xy_words(x, y)
+    aside = xy_words(x + radius + 2.0 * mill, y) if kind else middle
     c.note("CYCLE90", "the way to the wall is the control's own; the helix is that of the cycle")
     reader.go("g0", z=max(out, reader.here()[2]))
     reader.absolutely(f"g0{aside}")
