@@ -9,7 +9,8 @@ from gcode.dialects.fanuc.blocks import BlockRunner, FanucSettings
 from gcode.dialects.fanuc.macro.calls import Calls
 from gcode.dialects.fanuc.macro.expressions import is_null, whole_expression
 from gcode.dialects.fanuc.macro.flow import MacroFlow
-from gcode.dialects.fanuc.macro.line_text import BLANKS, COMMENT, HEAD, PROGRAM
+from gcode.dialects.fanuc.macro.line_places import LinePlaces
+from gcode.dialects.fanuc.macro.line_text import COMMENT, PROGRAM, content_of
 from gcode.dialects.fanuc.macro.variables import MacroVariables
 from gcode.errors import ProgramError
 from gcode.language.options import RunOptions
@@ -23,7 +24,6 @@ from gcode.text.source import Source
 __all__ = ["FanucReader"]
 
 _SLASH = re.compile(r"\s*(?:n\s*\d+\s*)?/\s*([1-9]?)(?!\s*\d)", re.IGNORECASE)
-_LEADER = re.compile(r"^%(?=[o:]\d)")  #: of a tape; the program's number may follow
 _UNIT = re.compile(r"G\s*2[01](?![\d.])", re.IGNORECASE)
 _OUTPUT = ("dprnt", "bprnt", "popen", "pclos", "setvn")
 _CALL_BY_NAME = re.compile(r"m98<([^>]*)>(?:l(\d+))?")
@@ -43,6 +43,7 @@ class FanucReader(Translated):
                                         counters=self.settings.counters,
                                         common_again=self.settings.common_again)  # fmt: skip
         self.blocks = BlockRunner(self, self.settings)
+        self.places = LinePlaces(self)
         self.calls, self.flow = Calls(self), MacroFlow(self)
         self.fast = self.starts = None
 
@@ -104,10 +105,7 @@ class FanucReader(Translated):
         """Text of a line without block number, blanks, comments and end-of-block sign."""
         text = self.texts[index]
         if text is None:
-            text = self.lines[index]
-            text = COMMENT.sub("", text) if "(" in text else text
-            text = text.split(";")[0].translate(BLANKS).lower()
-            text = self.texts[index] = _LEADER.sub("", text[HEAD.match(text).end() :])
+            text = self.texts[index] = content_of(self.lines[index])
         return text
 
     def statement(self, content: str) -> None:

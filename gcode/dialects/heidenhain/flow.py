@@ -45,7 +45,9 @@ class KlartextFlow:
     def __init__(self, reader: KlartextReader) -> None:
         self.reader = reader
         self.selected: str | None = None  #: program of SEL PGM
-        self.labels: dict[str, int] = {}
+        self.labels: dict[str, int] = {}  #: that were passed
+        self._places: dict[str, int] = {}  #: of labels among the lines that were searched
+        self._searched = 0
         self.begun: dict[str, int] = {}  #: blocks obeyed when what stands below a label began
         #: label line, return line, repeats left, what `begun` was before the repeats
         self.calls: list[tuple[int, int, int, int]] = []
@@ -125,11 +127,14 @@ class KlartextFlow:
 
     def find(self, label: str) -> int:
         """Index of the line of a label."""
-        for index in range(len(self.reader.lines)):
-            content = self.reader.content(index)
-            if content.startswith("LBL") and self._name(content) == label:
-                return index
-        raise ProgramError(f"LBL {label} does not exist")
+        while label not in self._places and self._searched < len(self.reader.lines):
+            content = self.reader.content(self._searched)
+            if content.startswith("LBL"):
+                self._places.setdefault(self._name(content), self._searched)
+            self._searched += 1
+        if label not in self._places:
+            raise ProgramError(f"LBL {label} does not exist")
+        return self._places[label]
 
     def call_label(self, content: str) -> None:
         """CALL LBL n jumps to a subprogram that LBL 0 ends; with REP it repeats what is above."""

@@ -197,11 +197,11 @@ class Flow:
     def line_of(self, name: str) -> int:
         """Line of a label: above this block, or below it."""
         reader, routine = self.reader, self.reader.subprograms.routine
-        behind = range(reader.next - 2, routine.start - 1, -1)
-        for index in (*behind, *range(reader.next, routine.stop)):
-            if (reader.content(index)[0][4] or "").upper() == name.upper():
-                return index
-        raise ProgramError(f"there is no label {name}")
+        behind, ahead = range(routine.start, reader.next - 1), range(reader.next, routine.stop)
+        found = reader.subprograms.places_of(reader.lines, routine.file).label(name, behind, ahead)
+        if found is None:
+            raise ProgramError(f"there is no label {name}")
+        return found
 
     def _goto(self, keyword: str, target: str) -> None:
         reader, routine = self.reader, self.reader.subprograms.routine

@@ -131,6 +131,11 @@ class SinumerikReader(Translated):
         """Head and body of a line without comment."""
         return _split_head(self.lines[index])
 
+    @staticmethod
+    def label_of(line: str) -> str | None:
+        """Label at the head of a line, None where there is none."""
+        return _split_head(line)[0][4]
+
     def obey(self, text: str) -> None:
         """Obey one line."""
         head, content = self.content(self.next - 1)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from gcode.dialects.sinumerik.text_places import PROCEDURE, SECTION, TextPlaces
 from gcode.errors import ProgramError
 from gcode.language.called_programs import Routine, find_beside
 
@@ -22,8 +23,6 @@ __all__ = ["Subprograms"]
 
 _LEVELS = 16  #: program levels of the control
 _NO_FILE = Path("places")  #: of lines that stand for a block of the program
-_SECTION = re.compile(r"\s*%_N_(\w+?)_(MPF|SPF)\b", re.IGNORECASE)
-_PROCEDURE = re.compile(r"\s*(?:N\d+\s*)?PROC\s+(\w+)\s*(?:\((.*)\))?", re.IGNORECASE)
 _PARAMETER = re.compile(
     r"(VAR\s+)?(REAL|INT|BOOL|CHAR|AXIS|STRING\s*\[\d+\])\s+(\w+)\s*(?:=\s*(.*))?", re.IGNORECASE
 )
@@ -56,6 +55,8 @@ class Subprograms:
 
     def __init__(self, reader: SinumerikReader) -> None:
         self.reader, self.levels = reader, []
+        self._texts: dict[int, TextPlaces] = {}
+        self._beside: dict[str, Routine | None] = {}  #: files that calls have looked for
         lines = reader.lines
         self.routine = Routine(lines, 0, self._end_of_section(lines, 0))
         reader.stop = self.routine.stop
@@ -63,7 +64,7 @@ class Subprograms:
     @staticmethod
     def _end_of_section(lines: Sequence[str], start: int) -> int:
         """Where the section of an archive ends in which a line stands."""
-        heads = [k for k in range(start, len(lines)) if _SECTION.match(lines[k])]
+        heads = [k for k in range(start, len(lines)) if SECTION.match(lines[k])]
         return heads[1] if len(heads) > 1 else len(lines)
 
     @property
@@ -185,30 +186,29 @@ class Subprograms:
 
     def _find(self, name: str) -> Routine | None:
         for lines, file in self._places():
-            for index, line in enumerate(lines):
-                section, procedure = _SECTION.match(line), _PROCEDURE.match(line)
-                found = (section or procedure)[1] if section or procedure else ""
-                if found.upper() == name.upper() and not (procedure and _is_head(lines, index)):
-                    return Routine(
-                        lines, index + 1 if section else index, self._stop_of(lines, index), file
-                    )
+            found = self.places_of(lines, file).program(name)
+            if found is not None:
+                return Routine(lines, *found, file)
         stem = name.upper()
-        names = [f"{stem}.{end}" for end in ("SPF", "MPF")]
-        names += [f"_N_{stem}_{end}" for end in ("SPF", "MPF")]
-        return find_beside(self.reader.options.folders, names)
+        if stem not in self._beside:
+            names = [f"{stem}.{end}" for end in ("SPF", "MPF")]
+            names += [f"_N_{stem}_{end}" for end in ("SPF", "MPF")]
+            self._beside[stem] = find_beside(self.reader.options.folders, names)
+        return self._beside[stem]
 
-    def _places(self) -> list[tuple[Sequence[str], object]]:
+    def places_of(self, lines: Sequence[str], file: Path | None) -> TextPlaces:
+        """Programs and labels of a text; what stands for one block is not kept."""
+        known = self._texts.get(id(lines))
+        if known is None:
+            known = TextPlaces(lines, self.reader.label_of)
+            if file is not _NO_FILE:
+                self._texts[id(lines)] = known
+        return known
+
+    def _places(self) -> list[tuple[Sequence[str], Path | None]]:
         """Texts that may hold the program: the present one, then those that called it."""
         routines = [self.routine, *(level.routine for level in reversed(self.levels))]
         return [(r.lines, r.file) for r in {id(r.lines): r for r in routines}.values()]
-
-    def _stop_of(self, lines: Sequence[str], index: int) -> int:
-        for after in range(index + 1, len(lines)):
-            if _SECTION.match(lines[after]) or _PROCEDURE.match(lines[after]):
-                if _SECTION.match(lines[index]) and _PROCEDURE.match(lines[after]):
-                    continue
-                return after
-        return len(lines)
 
     def _parameters(
         self, routine: Routine, name: str, texts: Sequence[str]
@@ -218,7 +218,7 @@ class Subprograms:
         The second value says which of them go back into variables of the caller.
         """
         arguments = [self.reader.variables.value(t) if t.strip() else None for t in texts]
-        heads = (_PROCEDURE.match(routine.lines[k]) for k in range(routine.start, routine.stop))
+        heads = (PROCEDURE.match(routine.lines[k]) for k in range(routine.start, routine.stop))
         head = next((h for h in heads if h), None)
         said = head[2] if head is not None and head[2] else ""
         wanted = [piece.strip() for piece in said.split(",") if piece.strip()]
@@ -240,8 +240,3 @@ class Subprograms:
             if match[1] and index < len(arguments) and _TARGET.fullmatch(texts[index].strip()):
                 given_back.append((texts[index].strip().upper(), match[3].upper()))
         return values, tuple(given_back)
-
-
-def _is_head(lines: Sequence[str], index: int) -> bool:
-    """Whether only comments stand before: the PROC line then names the program itself."""
-    return not any(line.split(";")[0].strip() for line in lines[:index])

@@ -90,11 +90,8 @@ class Calls:
 
     def _sought(self, wanted: int) -> int | None:
         """First line of a program, None where there is none."""
-        for index in range(len(self.reader.lines)):
-            match = PROGRAM.match(self.reader.content(index))
-            if match and match[1] is not None and int(match[1]) == wanted:
-                return index
-        return self._append(wanted)
+        found = self.reader.places.program(wanted)
+        return self._append(wanted) if found is None else found
 
     def _unknown_calls(self, first: int) -> ProgramError:
         """One error for all programs that these lines call by number without having."""
@@ -125,12 +122,10 @@ class Calls:
     def by_name(self, name: str, repeats: int) -> None:
         """M98 <NAME>: the program O<NAME> of this file."""
         self.reader.blocks.finish_corner()
-        for index in range(len(self.reader.lines)):
-            match = PROGRAM.match(self.reader.content(index))
-            if match and match[2] == name:
-                self._enter(index, repeats)
-                return
-        raise ProgramError(f"program O<{name.upper()}> is not in this file")
+        found = self.reader.places.program(name)
+        if found is None:
+            raise ProgramError(f"program O<{name.upper()}> is not in this file")
+        self._enter(found, repeats)
 
     def _append(self, wanted: int) -> int | None:
         """Put a program from a file beside this one behind its lines; gives its first line."""

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from gcode.control.loop_guard import LoopGuard
 from gcode.dialects.fanuc.macro.expressions import is_null
-from gcode.dialects.fanuc.macro.line_text import BLANKS, HEAD, PROGRAM
 from gcode.errors import ProgramError
 
 if TYPE_CHECKING:
@@ -27,7 +26,6 @@ class MacroFlow:
     def __init__(self, reader: FanucReader) -> None:
         self.reader = reader
         self._guard = LoopGuard(reader.controller)
-        self._bounds: dict[tuple[int, int], tuple[int, int]] = {}
         self._forms = (
             ("IF", re.compile(r"if(\[.*\])go(?:to)?(.+)"), self._if_goto),
             ("IF THEN", re.compile(r"if(\[.*\])th(?:en)?(.+)"), self._if_then),
@@ -71,13 +69,10 @@ class MacroFlow:
 
     def labelled(self, wanted: int, what: str) -> int:
         """Line of a block number: forwards from here to the end, then from the beginning."""
-        start, stop = self.program_lines()
-        for index in (*range(self.reader.next, stop), *range(start, self.reader.next)):
-            text = self.reader.lines[index].translate(BLANKS).lower()
-            match = HEAD.match(text)
-            if match[1] is not None and int(match[1]) == wanted:
-                return index
-        raise ProgramError(f"{what}{wanted}: no block N{wanted} in this program")
+        found = self.reader.places.block(wanted, self.reader.next, *self.program_lines())
+        if found is None:
+            raise ProgramError(f"{what}{wanted}: no block N{wanted} in this program")
+        return found
 
     def jump(self, index: int) -> None:
         """Go on at another line of the running program."""
@@ -92,22 +87,8 @@ class MacroFlow:
 
     def program_lines(self) -> tuple[int, int]:
         """First line of the running program, and the line at which the next begins."""
-        start = self.reader.calls.stack[-1].program if self.reader.calls.stack else 0
-        key = start, len(self.reader.lines)  # lines of other files are added behind
-        if key not in self._bounds:
-            self._bounds[key] = self._find_program(start)
-        return self._bounds[key]
-
-    def _find_program(self, start: int) -> tuple[int, int]:
-        while start > 0 and not PROGRAM.match(self.reader.content(start)):  # within a local part
-            start -= 1
-        begun = False
-        for index in range(start, len(self.reader.lines)):
-            if PROGRAM.match(self.reader.content(index)):
-                if begun:
-                    return start, index
-                begun = True
-        return start, len(self.reader.lines)
+        calls = self.reader.calls.stack
+        return self.reader.places.around(calls[-1].program if calls else 0)
 
     def _while(self, condition: str, label: str) -> None:
         if self._is_true(condition):
