@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.small_job import write_job, write_job_with_nominal
-from vmach.checkup import Weight, check_job
+from vmach.checkup import Weight, check_job, job_checkup
 from vmach.cli import app
 
 SAMPLES = Path(__file__).parents[2] / "samples"
@@ -209,3 +209,15 @@ def test_a_part_that_stands_out_of_its_blank_is_to_mend_without_a_drawing(tmp_pa
 def test_what_run_lacks_without_cad_and_blank_is_said(folder):
     assumed = "\n".join(words(folder, Weight.ASSUMED))
     assert "'vmach run' has nothing to inspect" in assumed and "needs '--no-solid'" in assumed
+
+
+def test_cad_is_read_once(monkeypatch):
+    read, before = [], job_checkup.read_nominal
+
+    def counted(*arguments):
+        read.append(arguments)
+        return before(*arguments)
+
+    monkeypatch.setattr(job_checkup, "read_nominal", counted)
+    assert words(SAMPLES / "iso10791_7") == []
+    assert len(read) == 1

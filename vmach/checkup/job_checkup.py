@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from vmach.instruments import read_instruments
 from vmach.job import Job, read_job
 from vmach.job.schema import JobSchema
 from vmach.machine.files.machine_schema import MachineSchema
-from vmach.nominal import read_nominal
+from vmach.nominal import NominalPart, read_nominal
 from vmach.nominal.points import read_points_csv
 from vmach.path.preparation import prepare
 from vmach.plausibility import admitted_machine
@@ -33,6 +34,8 @@ __all__ = ["OPEN_MARK", "check_job"]
 OPEN_MARK = "# mend"
 #: keys of a job that name a file
 _FILES = ("machine", "program", "nominal", "measured")
+
+_Reader = Callable[[Path, str | None], NominalPart]
 
 
 def check_job(path: str | Path) -> tuple[Finding, ...]:
@@ -50,9 +53,10 @@ def check_job(path: str | Path) -> tuple[Finding, ...]:
     """
     path = Path(path)
     path = path / "job.toml" if path.is_dir() else path
-    found = [*_job_file(path)]
+    part_of = lru_cache(maxsize=1)(read_nominal)  # by itself, and again with the job
+    found = [*_job_file(path, part_of)]
     if all(finding.weight is not Weight.MEND for finding in found):
-        found += _whole_job(path)
+        found += _whole_job(path, part_of)
     found += _machine_statements(path)
     order = list(Weight)
     once = dict.fromkeys(found)
@@ -66,7 +70,7 @@ def _refusal(ask: Callable[[], object]) -> Iterator[Finding]:
         yield Finding.of_error(error)
 
 
-def _job_file(path: Path) -> Iterator[Finding]:
+def _job_file(path: Path, part_of: _Reader) -> Iterator[Finding]:
     """The job file by itself, and every file that it names."""
     errors = complaints(path, JobSchema, what="job file")
     yield from map(Finding.of_error, errors)
@@ -91,7 +95,7 @@ def _job_file(path: Path) -> Iterator[Finding]:
         yield from _machine(there["machine"])
     if "nominal" in there:
         unit = said.get("nominal_unit")
-        yield from _refusal(lambda: read_nominal(there["nominal"], unit))
+        yield from _refusal(lambda: part_of(there["nominal"], unit))
     if "measured" in there:
         yield from _refusal(lambda: read_points_csv(there["measured"]))
     if "program" in there and not errors:
@@ -140,7 +144,7 @@ def _open_lines(file: Path, text: str) -> Iterator[Finding]:
             yield Finding(Weight.LOOK, guess, file, number, hint=hint)
 
 
-def _whole_job(path: Path) -> Iterator[Finding]:
+def _whole_job(path: Path, part_of: _Reader) -> Iterator[Finding]:
     """What shows only when all files are read together."""
     try:
         job = read_job(path)
@@ -150,7 +154,7 @@ def _whole_job(path: Path) -> Iterator[Finding]:
         return
     yield from map(Finding.of_note, preparation.notes)
     yield from reached_positions(preparation)
-    yield from _part(job)
+    yield from _part(job, part_of)
     try:
         effects = read_effects(job.effects, file=path, job=job)
         read_instruments(job, effects=effects)
@@ -159,12 +163,12 @@ def _whole_job(path: Path) -> Iterator[Finding]:
     yield from _assumed(path, job)
 
 
-def _part(job: Job) -> Iterator[Finding]:
+def _part(job: Job, part_of: _Reader) -> Iterator[Finding]:
     """The part against its blank, and what is asked of it against its CAD."""
     if job.nominal is None and job.measured is None:
         return
     try:
-        nominal = None if job.nominal is None else read_nominal(job.nominal, job.nominal_unit)
+        nominal = None if job.nominal is None else part_of(job.nominal, job.nominal_unit)
         points = surface_points(job, nominal)
         if job.drawing.tolerances or job.drawing.datums:
             yield from map(Finding.of_error, drawing_faults(job, nominal, points))
