@@ -218,7 +218,7 @@ def test_output_folder_that_is_a_file(job, tmp_path, monkeypatch, capsys):
 
 
 def test_wrong_usage(monkeypatch, capsys):
-    assert run_vmach(monkeypatch, capsys, "run")[0] == 2
+    assert run_vmach(monkeypatch, capsys, "add")[0] == 2
     assert run_vmach(monkeypatch, capsys, "run", "x", "--model", "none-such")[0] == 2
     assert run_vmach(monkeypatch, capsys, "frobnicate")[0] == 2
 
