@@ -81,7 +81,8 @@ def print_told_by_effect(rows: list[dict]) -> None:
             else:
                 (alone if len(names) == 1 else in_class)[name] += 1
     print(
-        "| effect | hidden | told alone | in a class | not told | said beside them | told falsely |"
+        "| effect | hidden | told alone | in a class | not told | told falsely in its case "
+        "| told falsely, in all cases |"
     )
     print("|---|---|---|---|---|---|---|")
     for name in sorted({*hidden, *false}):
