@@ -113,7 +113,7 @@ def one(kind: str, seed: int, args: argparse.Namespace) -> dict:
             row["states"] = int(names_true_states(kind, report["proposals"]))
             row["misfit_left"] = 1.0
             if report["proposals"]:
-                left = program_runs.left_by_proposal(folder, made.check_deviation_um, made.check)
+                left = program_runs.left_by_proposal(folder, made.check_share_um[0], made.check)
                 row["misfit_left"] = round(left, 4)
         if args.held_out and not any(h.once for h in made.hidden):
             job = folder / "job.toml"

@@ -46,6 +46,7 @@ class Experiment:
     deviation_um: np.ndarray  #: of the part, noise-free, unaligned
     check_deviation_um: np.ndarray  #: of the check part
     share_um: list[np.ndarray]  #: of each hidden effect
+    check_share_um: list[np.ndarray]  #: of each hidden effect, on the check part
 
 
 def make_experiment(
@@ -125,6 +126,7 @@ def make_experiment(
         totals["part"],
         totals["check"],
         shares["part"],
+        shares["check"],
     )
 
 

@@ -217,12 +217,16 @@ class FeatureBuilder:
             for s in np.linspace(6, 84, 18):
                 place = np.array([*(begin + s * direction), -depth])
                 point = self.point(name, place, np.array([0.0, 0.0, 1.0]))
-                for share in FLOOR_SHARES:
-                    at = np.clip(s + share * tool.diameter_mm / 2, 0, 90)
+                # on the way, and at rest where the way begins and ends
+                ats = np.clip(s + np.array(FLOOR_SHARES) * tool.diameter_mm / 2, 0, 90)
+                moments = [*((at, feed / 60) for at in ats), (0.0, 0.0), (90.0, 0.0)]
+                for at, speed in moments:
+                    if abs(at - s) > tool.diameter_mm / 2:
+                        continue
                     self.touch(
                         point=point,
                         tip_mm=np.array([*(begin + at * direction), -depth]),
-                        velocity_mm_s=feed / 60 * np.array([*direction, 0.0]),
+                        velocity_mm_s=speed * np.array([*direction, 0.0]),
                         node=node,
                         share=at / 90.0,
                         tool=tool.number - 1,

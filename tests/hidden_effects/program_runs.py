@@ -62,14 +62,26 @@ def add(folder: Path, report: dict) -> Path:
     return job
 
 
-def left_by_proposal(folder: Path, true_um: np.ndarray, part: Part) -> float:
-    """Share of the check part's misfit, free of noise, that the first form proposed leaves."""
-    before, after = misfits_um(folder / "job.toml", true_um, part)
-    return after / before
+def left_by_proposal(folder: Path, share_um: np.ndarray, part: Part) -> float:
+    """Share of what a cause does to the check part that the first form proposed does not foretell.
+
+    Free of noise, and of what the calibration does not know.
+
+    share_um : what the cause alone does to the points of the check part
+    """
+    without, with_it = _with_proposal(folder / "job.toml")
+    left = aligned_rms_um(share_um - (with_it - without), part)
+    return left / aligned_rms_um(share_um, part)
 
 
 def misfits_um(job: Path, true_um: np.ndarray, part: Part) -> tuple[float, float]:
-    """Misfit of the check part, free of noise, without and with the first form that is proposed.
+    """Misfit of the check part, free of noise, without and with the first form that is proposed."""
+    without, with_it = _with_proposal(job)
+    return aligned_rms_um(true_um - without, part), aligned_rms_um(true_um - with_it, part)
+
+
+def _with_proposal(job: Path) -> tuple[np.ndarray, np.ndarray]:
+    """What is foretold of the check part, without and with the first form that is proposed, um.
 
     In a process of its own: an effect that was loaded would be a candidate of the next diagnosis.
     """
@@ -78,14 +90,12 @@ def misfits_um(job: Path, true_um: np.ndarray, part: Part) -> tuple[float, float
     ended = subprocess.run(command, capture_output=True, text=True, check=False)
     if ended.returncode:
         raise RuntimeError(ended.stderr)
-    before, after = (
+    tables = (
         np.genfromtxt(folder / name, delimiter=",", names=True, dtype=None, encoding="utf-8")
         for name in _FORETOLD
     )
-    return (
-        aligned_rms_um(true_um - before["deviation_um"], part),
-        aligned_rms_um(true_um - after["deviation_um"], part),
-    )
+    without, with_it = (table["deviation_um"] for table in tables)
+    return without, with_it
 
 
 #: what the check part would be without and with a form that is proposed

@@ -90,7 +90,7 @@ def test_a_form_for_what_nobody_foresaw_halves_the_error_of_another_part(tmp_pat
     made = make_experiment(tmp_path, effects=["springback"], seed=7700015)
     report, _ = program_runs.diagnose(tmp_path)
     assert report["proposals"][0]["formula"] == "as a plate bends and twists"
-    assert program_runs.left_by_proposal(tmp_path, made.check_deviation_um, made.check) < 0.5
+    assert program_runs.left_by_proposal(tmp_path, made.check_share_um[0], made.check) < 0.5
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gcode import WORK_OFFSETS, Moves
+from gcode import WORK_OFFSETS, MoveKind, Moves
 from vmach.job import Job
 from vmach.machine import RigidDisplacement, Variant
 from vmach.path.blank_depth import blank_depth_mm
@@ -152,6 +152,11 @@ class Circumstances:
         """Acceleration from the path's curvature, towards the centre, (P, 3)."""
         curvature = curvature_per_mm(self.moves, self.states.move, self.states.parameter)
         return curvature * (self.velocity_mm_per_s**2).sum(axis=1, keepdims=True)
+
+    @property
+    def on_arc(self) -> np.ndarray:
+        """Whether a true arc goes on, and no straight move, (P,) bool."""
+        return self.moves.kind[self.states.move] == MoveKind.ARC
 
     @cached_property
     def corner(self) -> tuple[np.ndarray, np.ndarray]:

@@ -144,6 +144,13 @@ class FormColumns:
             columns -= self._zeros.columns_mm(form)
         return columns
 
+    def simpler(self, form: Form) -> list[Form]:
+        """Forms on the list with one of its states alone, or along an axis in place of a turn."""
+        states = [s for s in form.states if len(form.states) > 1] or [form.second]
+        directions = DIRECTIONS[:3] if form.direction in TURNS else (form.direction,)
+        fewer = (Form(CONSTANT, state, d) for state in states for d in directions)
+        return [one for one in fewer if one in self._forms and one != form]
+
     def space_of(self, form: Form) -> np.ndarray:
         """Orthonormal basis of the signatures with alignment taken off, (n, r)."""
         columns = self.columns(form)

@@ -224,7 +224,9 @@ class Forms:
         """
         self._columns.add_conspicuous(*self._left_mm(alone))
         first = [self._chosen[t.label] for t in grown.terms if t.label in self._chosen]
-        forms = dict.fromkeys([*first, *self._leading.of(_two_views(alone), _FITTED)])
+        leading = [*first, *self._leading.of(_two_views(alone), _FITTED)]
+        simpler = [form for one in leading for form in self._columns.simpler(one)]
+        forms = dict.fromkeys([*leading, *simpler])
         weighing = self._with([*forms])
         start = weighing.explain(alone.terms, alone.posterior.sizes, refine=False)
         noise_um = grown.posterior.sizes.factor * usual_u_um(weighing)

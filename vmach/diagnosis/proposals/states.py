@@ -191,6 +191,9 @@ def _of_axis(k: int, axis: str) -> Iterator[State]:
     yield State("speed", f"speed of {axis} in m/min", speed)
     pull = f"1e-3 * path.acceleration_mm_per_s2[:, {k}]"
     yield State("acceleration", f"acceleration of {axis} in m/s²", pull)
+    # controls round off short straight moves or do not
+    on_arcs = f"{pull} * path.on_arc"
+    yield State("acceleration", f"acceleration of {axis} on arcs in m/s²", on_arcs)
     for fade in _FADES_MM:
         code = f"path.play_side[:, {k}] * np.exp(-path.travel_since_reversal_mm[:, {k}] / {fade})"
         yield State("travel since reversal", f"what fades {fade:g} mm after {axis} turned", code)

@@ -1,49 +1,74 @@
 """Waves whose period nobody knows: where the periodogram of what is left has its peaks.
 
 Source: T. Deeming, Astrophys. Space Sci. 36 (1975) 137 (Fourier analysis of readings that are not
-equally spaced: their gaps leak into other frequencies, so that several peaks are tried).
+equally spaced: their gaps leak into other frequencies, so that several peaks are tried);
+M. Zechmeister and M. Kürster, Astron. Astrophys. 496 (2009) 577 (the frequency of least squares,
+beside a mean; here beside the alignment).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from scipy.fft import next_fast_len, rfft
 
 from vmach.diagnosis.proposals.states import ALL_AXES, DIRECTIONS, Direction, State
 from vmach.fit.survey import Survey
+from vmach.fit.whitening import orthonormal
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["wave_states"]
 
 #: cells of the raster in the shortest period, and frequencies in one of independent ones
-_CELLS, _FINER = 8, 4
+_CELLS, _FINER = 4, 4
 #: frequencies at most; beyond, the shortest waves are left out
-_MOST = 1 << 18
-#: peaks of each argument and direction that are put on the list; gaps between features may make
-#: another one higher than that of the wave
+_MOST = 1 << 20
+#: peaks of the periodogram that are fitted by least squares: gaps between features may make many
+#: others higher than that of the wave
+_FITTED = 24
+#: of these, so many are put on the list for each argument and direction
 _PEAKS = 4
 #: a wave has to go round that often, else it is a trend
 _LEAST_TURNS = 1.5
+#: steps to the frequency of least squares, in cells of the periodogram; the last one turns a wave
+#: by 1/64 over the whole way
+_STEPS = (1.0, 0.5, 0.25, 0.125, 0.0625)
+
+
+#: what readings see of a wave that little beside the alignment, of squares, is rounding
+_RCOND = 1e-9
 
 
 @dataclass(frozen=True)
 class _Argument:
-    """What a wave may go along: its words with unit, code, and the shortest period."""
+    """What a wave may go along: its words with unit, code, and the range of its period."""
 
     words: str
     code: str
     unit: str
     shortest: float
+    longest: float = np.inf
     directions: tuple[Direction, ...] = DIRECTIONS
 
 
+def _along_axis(k: int, axis: str) -> Iterator[_Argument]:
+    """The position of an axis: what pushes anywhere, and what its own encoder does.
+
+    Linear encoders have signal periods of 20 um and more, and err within each (interpolation
+    error: catalogues of linear encoders).
+    """
+    position = f"path.nose_mm[:, {k}]"
+    yield _Argument(axis, position, "mm", 1.0)
+    yield _Argument(axis, position, "mm", 0.02, 1.0, (DIRECTIONS[k],))
+
+
 _ARGUMENTS = (
-    *(_Argument(axis, f"path.nose_mm[:, {k}]", "mm", 1.0) for k, axis in enumerate(LINEAR_AXES)),
+    *(argument for k, axis in enumerate(LINEAR_AXES) for argument in _along_axis(k, axis)),
     # what goes on beside the machining moves all axes
-    _Argument("time", "path.time_s", "s", 60.0, (*DIRECTIONS, ALL_AXES)),
+    _Argument("time", "path.time_s", "s", 60.0, directions=(*DIRECTIONS, ALL_AXES)),
     _Argument("cutting length", "path.cutting_length_mm", "mm", 2.0),
 )
 
@@ -69,44 +94,78 @@ def wave_states(
         if span < 2.0 * argument.shortest:
             continue
         for direction in argument.directions:
-            weight = sensed[direction] / survey.u_mm[:, None]
-            if np.abs(weight).max(initial=0.0) == 0.0:
+            if not sensed[direction].any():
                 continue
-            reading = (left_mm / survey.u_mm)[:, None] * weight
-            for frequency in _peaks(along, reading, span, argument.shortest):
-                yield _state(argument, frequency, span), direction
+            wave = _Wave(survey, along, sensed[direction], left_mm)
+            leading = sorted(_peaks(wave, argument), key=wave.gain, reverse=True)[:_PEAKS]
+            for frequency in leading:
+                yield _state(argument, wave.refined(frequency), span), direction
 
 
-def _peaks(along: np.ndarray, reading: np.ndarray, span: float, shortest: float) -> list[float]:
-    """Frequencies of the highest peaks of readings (n, D), none beside another."""
-    cell = max(shortest / _CELLS, span * _FINER / _MOST)
-    place = np.rint((along - along.min()) / cell).astype(int)
+class _Wave:
+    """A wave along something, in the direction that readings sense.
+
+    Parameters
+    ----------
+    survey : Survey
+    along : (n,) float64
+        What it goes along.
+    sensed : (n, D) float64
+        How readings sense a unit displacement.
+    left_mm : (n,) float64
+        What is not explained.
+    """
+
+    def __init__(
+        self, survey: Survey, along: np.ndarray, sensed: np.ndarray, left_mm: np.ndarray
+    ) -> None:
+        self.along, self.span = along, float(np.ptp(along))
+        self.sensed = sensed / survey.u_mm[:, None]
+        self.left = left_mm / survey.u_mm
+        self._alignment = orthonormal(survey.nuisance / survey.u_mm[:, None])
+
+    def refined(self, frequency: float) -> float:
+        """The frequency of least squares next to one, uphill in steps that are halved.
+
+        To a sixteenth of a cell of the periodogram, so that what is found again is known.
+        """
+        gain = cache(lambda k: self.gain(frequency + k * cell))
+        cell, best = 1.0 / (_FINER * self.span), 0.0
+        for step in _STEPS:
+            while (higher := max((best - step, best + step), key=gain)) and (
+                gain(higher) > gain(best) and abs(higher) <= _FINER
+            ):
+                best = higher
+        return frequency + best * cell
+
+    def gain(self, frequency: float) -> float:
+        """Sum of squares that the wave explains beside the alignment, of whitened readings."""
+        turn = 2.0 * np.pi * frequency * self.along[:, None]
+        columns = np.hstack([self.sensed * np.sin(turn), self.sensed * np.cos(turn)])
+        aligned = self._alignment.T @ columns
+        moments = columns.T @ self.left - aligned.T @ (self._alignment.T @ self.left)
+        products = columns.T @ columns - aligned.T @ aligned
+        return float(moments @ np.linalg.lstsq(products, moments, rcond=_RCOND)[0])
+
+
+def _peaks(wave: _Wave, argument: _Argument) -> list[float]:
+    """Frequencies of the highest peaks of the periodogram, none beside another."""
+    cell = max(argument.shortest / _CELLS, wave.span * _FINER / _MOST)
+    place = np.rint((wave.along - wave.along.min()) / cell).astype(int)
     count = next_fast_len(int(_FINER * (place.max() + 1)), real=True)
-    rasters = [np.bincount(place, one) for one in reading.T]
+    rasters = [np.bincount(place, one) for one in (wave.left[:, None] * wave.sensed).T]
     power = np.sum([np.abs(rfft(raster, count)) ** 2 for raster in rasters], axis=0)
     frequency = np.arange(len(power)) / (count * cell)
-    power[(frequency < _LEAST_TURNS / span) | (frequency > 1.0 / (cell * _CELLS))] = 0.0
+    lowest = max(_LEAST_TURNS / wave.span, 1.0 / argument.longest)
+    power[(frequency < lowest) | (frequency > 1.0 / (cell * _CELLS))] = 0.0
     found = []
-    for _ in range(_PEAKS):
+    for _ in range(_FITTED):
         best = int(np.argmax(power))
         if power[best] == 0.0:
             break
-        found.append(_refined(along, reading, frequency[best], 1.0 / (_FINER * span)))
+        found.append(float(frequency[best]))
         power[max(best - _FINER, 0) : best + _FINER + 1] = 0.0
     return found
-
-
-def _refined(along: np.ndarray, reading: np.ndarray, frequency: float, step: float) -> float:
-    """The frequency of the peak itself, from the readings where they are: of a parabola.
-
-    To a tenth of a step, so that what is found again is known.
-    """
-    wave, turn = (np.exp(2j * np.pi * one * along) for one in (frequency, step))
-    waves = np.stack([wave * turn.conj(), wave, wave * turn])
-    low, here, high = np.linalg.norm(waves @ reading, axis=1)
-    bend = 2.0 * here - low - high
-    aside = 0.5 * (high - low) / bend if bend > 0.0 else np.sign(high - low)
-    return float(frequency + step * np.round(np.clip(aside, -1.0, 1.0), 1))
 
 
 def _state(argument: _Argument, frequency: float, span: float) -> State:

@@ -31,8 +31,7 @@ POLYLINE_SHARE = inner(
 
 def acceleration_on_curves(path: Circumstances, polyline_share: float) -> np.ndarray:
     """Towards the centre, (P, 3) mm/s2: controls round off short straight moves or do not."""
-    on_arc = path.moves.kind[path.states.move] == MoveKind.ARC
-    share = np.where(on_arc, 1.0, polyline_share)
+    share = np.where(path.on_arc, 1.0, polyline_share)
     return share[:, None] * path.acceleration_mm_per_s2
 
 
