@@ -81,8 +81,7 @@ def ringing(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     hertz, fades = rng.uniform(4, 9), rng.uniform(0.3, 0.6)
 
     def move(state: State) -> np.ndarray:
-        speed = np.maximum(np.linalg.norm(state.velocity_mm_s, axis=1), 1.0)
-        since = state.since_reversal_mm[:, axis] / speed
+        since = state.time_s - state.reversed_s[:, axis]
         swing = np.exp(-since / fades) * np.sin(2 * np.pi * hertz * since)
         e = np.zeros_like(state.nose_mm)
         e[:, axis] = size * UM * state.sign[:, axis] * swing

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from .machine_maker import TrueMachine
@@ -18,12 +20,21 @@ __all__ = [
 ]
 
 
+def where_it_is_made(state: State, machine: TrueMachine) -> State:
+    """The same with the axes where a point is made: its machine's errors push it aside."""
+    e = machine.displacement_mm(state.nose_mm, state.contact_mm)
+    aside = e - np.einsum("ij,ij->i", e, state.normal)[:, None] * state.normal
+    aside *= np.any(state.normal, axis=1, keepdims=True)  # a test reads where the axes are
+    return replace(state, nose_mm=state.nose_mm - aside)
+
+
 def displacement_mm(state: State, machine: TrueMachine, hidden: list[Hidden]) -> np.ndarray:
     """Tool against workpiece with everything that is true, (M, 3)."""
     e = machine.displacement_mm(state.nose_mm, state.contact_mm)
+    made = where_it_is_made(state, machine)
     for h in hidden:
         if h.displacement_mm and (state.tool[0] >= 0 or not h.on_part_only):
-            e = e + h.displacement_mm(state)
+            e = e + h.displacement_mm(made)
     return e
 
 
@@ -38,7 +49,7 @@ def share_um(hidden: Hidden, part: Part, state: State, machine: TrueMachine) -> 
     """What one effect alone does to the deviations, um per measured point."""
     e = np.zeros_like(state.nose_mm)
     if hidden.displacement_mm:
-        e = e + hidden.displacement_mm(state)
+        e = e + hidden.displacement_mm(where_it_is_made(state, machine))
     for name, change in hidden.changed.items():
         e = e + _component_mm(name, change, state, machine)
     for name in hidden.missing:

@@ -87,6 +87,7 @@ class State:
     acceleration_mm_s2: np.ndarray
     sign: np.ndarray  #: (M, 3) of the last motion of each axis
     since_reversal_mm: np.ndarray  #: (M, 3)
+    reversed_s: np.ndarray  #: (M, 3) when each axis last turned
     time_s: np.ndarray
     tool: np.ndarray
     ae_mm: np.ndarray
@@ -106,7 +107,7 @@ def state_of(part: Part) -> State:
     down = np.zeros_like(rows["tip_mm"])
     down[:, 2] = length
     place = part.place_mm[rows["point"]]
-    sign, travel = _directions(part.path, rows["node"], rows["share"])
+    sign, travel, turned = _directions(part.path, rows["node"], rows["share"])
     node, share = rows["node"], rows["share"]
     time = part.path.time_s
     return State(
@@ -119,6 +120,7 @@ def state_of(part: Part) -> State:
         acceleration_mm_s2=rows["acceleration_mm_s2"],
         sign=sign,
         since_reversal_mm=travel,
+        reversed_s=turned,
         time_s=time[node] + share * (time[node + 1] - time[node]),
         tool=tool,
         ae_mm=rows["ae_mm"],
@@ -151,7 +153,7 @@ def state_without_cut(
     velocity_mm_s, acceleration_mm_s2 : at rest where left out
     """
     rest, count = np.zeros((len(node), 3)), np.zeros(len(node))
-    sign, travel = _directions(path, node, share)
+    sign, travel, turned = _directions(path, node, share)
     if nose_mm is None:
         nose_mm = path.nose_mm[node] + share[:, None] * np.diff(path.nose_mm, axis=0)[node]
     down = np.array([0.0, 0.0, -tool_length_mm])
@@ -165,6 +167,7 @@ def state_without_cut(
         acceleration_mm_s2=rest if acceleration_mm_s2 is None else acceleration_mm_s2,
         sign=sign,
         since_reversal_mm=travel,
+        reversed_s=turned,
         time_s=path.time_s[node] + share * np.diff(path.time_s)[node],
         tool=np.full(len(node), -1),
         ae_mm=count,
@@ -177,18 +180,20 @@ def state_without_cut(
     )
 
 
-def _directions(path: Path3, node: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Sign of the last motion, and way since it last turned, per axis."""
+def _directions(path: Path3, node: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Sign of the last motion, way since it last turned, and when that was, per axis."""
     step = np.diff(path.nose_mm, axis=0)
     sign = np.zeros((len(step) + 1, 3))
     way = np.zeros((len(step) + 1, 3))
+    when = np.zeros((len(step) + 1, 3))
     for k, move in enumerate(step):
         now = np.where(np.abs(move) > 1e-7, np.sign(move), sign[k])
         way[k + 1] = np.where(now == sign[k], way[k], 0.0) + np.abs(move)
+        when[k + 1] = np.where(now == sign[k], when[k], path.time_s[k])
         sign[k + 1] = now
     here = sign[node + 1]
     kept = np.where(here == sign[node], way[node], 0.0)
-    return here, kept + share[:, None] * np.abs(step[node])
+    return here, kept + share[:, None] * np.abs(step[node]), when[node + 1]
 
 
 def _cut_way(path: Path3, tool: np.ndarray, node: np.ndarray, share: np.ndarray) -> np.ndarray:

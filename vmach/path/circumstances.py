@@ -87,6 +87,13 @@ class Circumstances:
         zero = self.job.work_offsets_mm.get(name, np.zeros(3))
         return self.nose_mm + self.tool_mm + self.contact_mm - zero
 
+    @property
+    def middle_of_part_mm(self) -> np.ndarray:
+        """Middle of the blank, or of the points of interest where there is none, (3,)."""
+        if self.job.blank is None:
+            return self.on_part_mm.mean(axis=0)
+        return 0.5 * (self.job.blank.min_mm + self.job.blank.max_mm)
+
     @cached_property
     def in_work_offset_mm(self) -> np.ndarray:
         """The point of interest from the zero of the work offset in force, (P, 3)."""

@@ -15,9 +15,11 @@ ELSEWHERE = (
 _TESTS = {
     "direction": "cut the same surfaces in the opposite direction: the sign has to turn",
     "speed": "cut the same surfaces at twice the feed: it has to double",
+    "low speed": "cut the same surfaces at three times the feed: it has to fade",
     "acceleration": "cut the same path with half the acceleration of the axes: it has to halve",
     "travel since reversal": "let the axis run further before it comes to the surface: it has to "
     "fade",
+    "ringing": "cut the same surfaces at half the feed: the period has to stay, in seconds",
     "position": ELSEWHERE,
     "time": "let the program wait half an hour in its middle: what is cut after it has to move by "
     "as much as the time says",

@@ -26,11 +26,13 @@ __all__ = ["wave_states"]
 _CELLS, _FINER = 4, 4
 #: frequencies at most; beyond, the shortest waves are left out
 _MOST = 1 << 20
+#: time constants of what rings after a reversal, s; a factor of four apart, the best is never far
+_FADES_S = (0.1, 0.4)
 #: peaks of the periodogram that are fitted by least squares: gaps between features may make many
 #: others higher than that of the wave
-_FITTED = 24
+_FITTED = 16
 #: of these, so many are put on the list for each argument and direction
-_PEAKS = 4
+_PEAKS = 2
 #: a wave has to go round that often, else it is a trend
 _LEAST_TURNS = 1.5
 #: steps to the frequency of least squares, in cells of the periodogram; the last one turns a wave
@@ -44,14 +46,23 @@ _RCOND = 1e-9
 
 @dataclass(frozen=True)
 class _Argument:
-    """What a wave may go along: its words with unit, code, and the range of its period."""
+    """What a wave may go along: its words with unit, code, and the range of its period.
 
+    `kind` is that of the state, `height` code of how high the wave is.
+    """
+
+    kind: str
     words: str
     code: str
     unit: str
     shortest: float
     longest: float = np.inf
     directions: tuple[Direction, ...] = DIRECTIONS
+    height: str = "np.ones(len(path))"
+
+    def of(self, survey: Survey, code: str) -> np.ndarray:
+        """What code says of each reading, (n,)."""
+        return np.concatenate([np.asarray(eval(code, {"np": np, "path": p})) for p in survey.paths])
 
 
 def _along_axis(k: int, axis: str) -> Iterator[_Argument]:
@@ -61,15 +72,27 @@ def _along_axis(k: int, axis: str) -> Iterator[_Argument]:
     error: catalogues of linear encoders).
     """
     position = f"path.nose_mm[:, {k}]"
-    yield _Argument(axis, position, "mm", 1.0)
-    yield _Argument(axis, position, "mm", 0.02, 1.0, (DIRECTIONS[k],))
+    yield _Argument(f"wave in {axis}", axis, position, "mm", 1.0)
+    yield _Argument(f"wave in {axis}", axis, position, "mm", 0.02, 1.0, (DIRECTIONS[k],))
+
+
+def _after_reversal(k: int, axis: str) -> Iterator[_Argument]:
+    """Time since an axis turned: how its drive rings, as it is damped well or badly."""
+    since = f"path.time_since_reversal_s[:, {k}]"
+    for fade in _FADES_S:
+        yield _Argument(
+            "ringing", f"time after {axis} turned, fading within {fade:g} s",
+            f"np.minimum({since}, {10.0 * fade:g})", "s", 0.02, directions=(DIRECTIONS[k],),
+            height=f"path.play_side[:, {k}] * np.exp(-{since} / {fade:g})",
+        )  # fmt: skip
 
 
 _ARGUMENTS = (
+    *(argument for k, axis in enumerate(LINEAR_AXES) for argument in _after_reversal(k, axis)),
     *(argument for k, axis in enumerate(LINEAR_AXES) for argument in _along_axis(k, axis)),
     # what goes on beside the machining moves all axes
-    _Argument("time", "path.time_s", "s", 60.0, directions=(*DIRECTIONS, ALL_AXES)),
-    _Argument("cutting length", "path.cutting_length_mm", "mm", 2.0),
+    _Argument("wave in time", "time", "path.time_s", "s", 60.0, directions=(*DIRECTIONS, ALL_AXES)),
+    _Argument("wave in cutting length", "cutting length", "path.cutting_length_mm", "mm", 2.0),
 )
 
 
@@ -87,16 +110,15 @@ def wave_states(
         How readings sense a unit displacement.
     """
     for argument in _ARGUMENTS:
-        along = np.concatenate(
-            [np.asarray(eval(argument.code, {"np": np, "path": p})) for p in survey.paths]
-        )
+        along, height = (argument.of(survey, code) for code in (argument.code, argument.height))
         span = float(np.ptp(along))
         if span < 2.0 * argument.shortest:
             continue
         for direction in argument.directions:
-            if not sensed[direction].any():
+            seen = sensed[direction] * height[:, None]
+            if not seen.any():
                 continue
-            wave = _Wave(survey, along, sensed[direction], left_mm)
+            wave = _Wave(survey, along, seen, left_mm)
             leading = sorted(_peaks(wave, argument), key=wave.gain, reverse=True)[:_PEAKS]
             for frequency in leading:
                 yield _state(argument, wave.refined(frequency), span), direction
@@ -171,8 +193,8 @@ def _peaks(wave: _Wave, argument: _Argument) -> list[float]:
 def _state(argument: _Argument, frequency: float, span: float) -> State:
     turn = f"{2.0 * np.pi * frequency!r} * {argument.code}"
     return State(
-        f"wave in {argument.words}",
+        argument.kind,
         f"a wave of {1.0 / frequency:.4g} {argument.unit} in {argument.words}",
-        f"np.stack([np.sin({turn}), np.cos({turn})], axis=1)",
+        f"({argument.height})[:, None] * np.stack([np.sin({turn}), np.cos({turn})], axis=1)",
         looked_at=max(span / argument.shortest, 1.0),
     )

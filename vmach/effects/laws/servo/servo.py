@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from gcode import MoveKind
 from vmach.effects.effect import Effect
 from vmach.effects.parameter import inner, linear
 from vmach.machine import LINEAR_AXES
