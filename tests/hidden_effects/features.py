@@ -218,11 +218,10 @@ class FeatureBuilder:
                 place = np.array([*(begin + s * direction), -depth])
                 point = self.point(name, place, np.array([0.0, 0.0, 1.0]))
                 # on the way, and at rest where the way begins and ends
-                ats = np.clip(s + np.array(FLOOR_SHARES) * tool.diameter_mm / 2, 0, 90)
-                moments = [*((at, feed / 60) for at in ats), (0.0, 0.0), (90.0, 0.0)]
+                reach = np.array(FLOOR_SHARES) * tool.diameter_mm / 2
+                moments = [(at, feed / 60) for at in np.clip(s + reach, 0, 90)]
+                moments += [(at, 0.0) for at in (0.0, 90.0) if abs(at - s) <= reach[-1]]
                 for at, speed in moments:
-                    if abs(at - s) > tool.diameter_mm / 2:
-                        continue
                     self.touch(
                         point=point,
                         tip_mm=np.array([*(begin + at * direction), -depth]),

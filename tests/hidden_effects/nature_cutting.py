@@ -195,7 +195,7 @@ def tool_deflection(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
         force = (state.ap_mm / 10) * (np.minimum(state.ae_mm, 2.0) / 0.4) ** 0.9
         force *= (tooth / 0.08) ** 0.85
         left = np.stack([-state.velocity_mm_s[:, 1], state.velocity_mm_s[:, 0], 0 * speed], axis=1)
-        left /= speed[:, None]
+        left /= np.maximum(speed, 1e-9)[:, None]  # none at rest
         down_milling = np.einsum("ij,ij->i", left, state.normal) > 0
         slot = state.ae_mm > 5
         push = np.where(slot[:, None], left, state.normal * [1, 1, 0])

@@ -12,6 +12,7 @@ from vmach.diagnosis.component_curve import component_directions
 from vmach.diagnosis.fitted_parameters import fitted_parameters
 from vmach.diagnosis.inference.by_definition import beyond_slopes
 from vmach.diagnosis.inference.noise import noise_after
+from vmach.diagnosis.inference.own_contacts import over_own_contacts
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.support import supports_of
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
@@ -82,6 +83,7 @@ def fit_named(survey: Survey, names: Sequence[str]) -> tuple[NamedEffect, ...]:
     for effect, target in wanted:
         found = _extended(weighing, found, effect, target)
     found = weighing.explain(found.terms, weighing.small().posterior.sizes)
+    weighing, found = over_own_contacts(weighing, found)
     noise = noise_after(weighing, found)
     if noise is not None:
         weighing = weighing.with_noise(noise)

@@ -23,19 +23,34 @@ from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
 from vmach.prediction.made_surface import FLOOR
 
-__all__ = ["chosen_by_one", "over", "over_own_contacts"]
+__all__ = ["chosen_by_all", "chosen_by_one", "over", "over_own_contacts"]
 
 #: what other contacts change of the readings, in stated uncertainties, before they matter
 _NOTABLE = 0.25
 
 
 def over_own_contacts(weighing: Weighing, found: Explanation) -> tuple[Weighing, Explanation]:
-    """The weighing over those contacts, and the explanation there; as given where none is better.
+    """The weighing over those contacts, and the explanation there; as given if none is better."""
+    noise, moved = weighing.base.noise, chosen_by_all(weighing, found)
+    if moved is None:
+        return weighing, found
+    effects, excluded = weighing.effects, weighing.excluded
+    weighing.release()
+    candidates = gather_candidates(moved, effects)[0]
+    other = Weighing(moved, candidates, excluded=excluded, noise=noise)
+    # an effect may choose contacts that show nothing of it
+    shown = {candidate.label for candidate in candidates}
+    terms = [term for term in found.terms if term.label in shown]
+    return other, other.explain(terms, found.posterior.sizes)
+
+
+def chosen_by_all(weighing: Weighing, found: Explanation) -> Survey | None:
+    """The survey over contacts that the terms of an explanation choose; None where none is better.
 
     The readings decide: contacts that make them less probable are not the ones that were.
     """
     if found.fit is None:
-        return weighing, found
+        return None
     survey, fit = weighing.survey, found.fit
     acting = [
         EffectInstance(term.effect, term.target, fitted_values(fit, k), survey.job)
@@ -43,21 +58,12 @@ def over_own_contacts(weighing: Weighing, found: Explanation) -> tuple[Weighing,
     ]
     moved = survey.made_beside(acting)
     if not _differ(survey, moved, acting):
-        return weighing, found
-    known, noise, score = weighing.candidates, weighing.base.noise, found.score
+        return None
     # what was worked out of many readings takes much memory
     weighing.forget()
-    other = Weighing(moved, known, excluded=weighing.excluded, noise=noise)
-    if other.explain(found.terms, found.posterior.sizes).score <= score:
-        return weighing, found
-    effects = weighing.effects
-    weighing.release()
-    other.release()
-    other = other.with_candidates(gather_candidates(moved, effects)[0])
-    # an effect may choose contacts that show nothing of it
-    shown = {candidate.label for candidate in other.candidates}
-    terms = [term for term in found.terms if term.label in shown]
-    return other, other.explain(terms, found.posterior.sizes)
+    other = Weighing(moved, weighing.candidates, noise=weighing.base.noise)
+    is_better = other.explain(found.terms, found.posterior.sizes).score > found.score
+    return moved if is_better else None
 
 
 def chosen_by_one(weighing: Weighing) -> tuple[str, Survey] | None:

@@ -11,7 +11,12 @@ from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.by_definition import as_defined
 from vmach.diagnosis.inference.moves import search, search_beyond, search_possible, without_needless
 from vmach.diagnosis.inference.noise import beside_own_noise, noise_before
-from vmach.diagnosis.inference.own_contacts import chosen_by_one, over, over_own_contacts
+from vmach.diagnosis.inference.own_contacts import (
+    chosen_by_all,
+    chosen_by_one,
+    over,
+    over_own_contacts,
+)
 from vmach.diagnosis.inference.remains import is_structure, remains_um, sizes_um
 from vmach.diagnosis.inference.rules import KEPT
 from vmach.diagnosis.inference.support import Support, supports_of
@@ -21,6 +26,7 @@ from vmach.diagnosis.proposals.forms import Forms
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.sizes import Sizes
+from vmach.fit.survey import Survey
 from vmach.fit.terms import JointFit, Term
 
 __all__ = ["Inference", "Reason", "Weak", "beside_forms", "infer", "judged", "searched"]
@@ -115,6 +121,11 @@ def infer(weighing: Weighing) -> Inference:
     weighing, found = searched(weighing)
     forms = Forms(weighing, found)
     grown = forms.grown(found)
+    moved = chosen_by_all(forms.among(_forms_of(grown)), grown) if _forms_of(grown) else None
+    if moved is not None:
+        weighing, found = _searched_over(moved, weighing)
+        forms = Forms(weighing, found)
+        grown = forms.grown(found)
     among, beside, stay, replaced = beside_forms(weighing, forms, found, grown)
     told, supports, weak = judged(among, beside, stay)
     shown = told.terms[: len(told.terms) - stay]
@@ -149,6 +160,18 @@ def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
         weighing, found = _better(weighing, found, tailed)
     weighing, found = _settled(weighing, found, search_beyond)
     return as_defined(weighing, search_possible(weighing, found))
+
+
+def _searched_over(survey: Survey, weighing: Weighing) -> tuple[Weighing, Explanation]:
+    """The same over the contacts of a survey, which a form chose: effects alone would not."""
+    weighing = over(survey, weighing)
+    weighing, found = beside_own_noise(weighing, search(weighing, weighing.nothing()))
+    found = search_beyond(weighing, without_needless(weighing, found))
+    return as_defined(weighing, search_possible(weighing, found))
+
+
+def _forms_of(grown: Explanation) -> list[Term]:
+    return [term for term in grown.terms if isinstance(term.effect, FormEffect)]
 
 
 def _better(
@@ -204,7 +227,7 @@ def beside_forms(
     tuple of Weak
         What is an imitation or a part of another cause.
     """
-    chosen = [term for term in grown.terms if isinstance(term.effect, FormEffect)]
+    chosen = _forms_of(grown)
     if not chosen and grown.labels == found.labels:
         return weighing, found, 0, ()
     usual = [k for k, t in enumerate(found.terms) if weighing.prior_of(t.effect, t.target) > 0.0]
