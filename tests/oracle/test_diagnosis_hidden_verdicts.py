@@ -94,6 +94,30 @@ def test_a_form_for_what_nobody_foresaw_halves_the_error_of_another_part(tmp_pat
 
 
 @pytest.mark.parametrize(
+    ("kind", "seed", "noise", "formula"),
+    [
+        # products with a place come near it
+        ("swinging_head", 37006001, "white", "acceleration of X on arcs in m/s², along Y"),
+        # 6.49 Hz, fading within 0.45 s
+        (
+            "ringing",
+            37056007,
+            "device_scale",
+            "a wave of 0.1551 s in time after X turned, fading within 0.4 s, along X",
+        ),
+        # at the ends of grooves another moment makes the floor than without the nod
+        ("nodding_column", 37036002, "heavy_tails", "speed of Y in m/min, as a turn about X"),
+    ],
+)
+def test_the_first_form_is_the_law_and_foretells_another_part(tmp_path, kind, seed, noise, formula):
+    design = PartDesign(corners=seed % 3 == 0, two_set_ups=seed % 5 == 0)
+    made = make_experiment(tmp_path, effects=[kind], seed=seed, design=design, noise=noise)
+    report, _ = program_runs.diagnose(tmp_path)
+    assert report["proposals"][0]["formula"] == formula
+    assert program_runs.left_by_proposal(tmp_path, made.check_share_um[0], made.check) < 0.25
+
+
+@pytest.mark.parametrize(
     ("hidden", "seed", "noise", "labels"),
     [
         # of endless size it would leave so much open that it could be of any size

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm, t
 
-from vmach.diagnosis.inference.noise import log_prior_of_weights
+from vmach.fit.noise.heavy_tails import log_prior_of_weights
 
 
 @pytest.mark.parametrize("degrees", [3.0, 5.0, 10.0])

@@ -5,34 +5,20 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import digamma, gammaln, stdtrit
 
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.base import Base
 from vmach.fit.marginal_likelihood import best_sizes
 from vmach.fit.noise.feature_noise import FeatureNoise
-from vmach.measurements import apart_from_few, apart_from_neighbours
+from vmach.fit.noise.heavy_tails import ROUNDING, WORTH, weights_of
 
-__all__ = [
-    "beside_own_noise",
-    "log_prior_of_weights",
-    "noise_after",
-    "noise_before",
-    "score_with_tails",
-]
+__all__ = ["beside_own_noise", "noise_after", "noise_before", "score_with_tails"]
 
-#: degrees of freedom of Student's t that are tried for heavy tails; infinite is normal
-_TAILS = (3.0, 5.0, 10.0)
-#: log probability that a further parameter of the noise has to bring (Bayesian information
-#: criterion at a thousand readings)
-_WORTH = 3.5
 #: logarithm by which a weight has to differ to count as another
 _OTHER = 0.3
 _CORRELATIONS = (0.3, 0.98)
 #: standard deviations from which a reading may be an odd one; below, little is gained by that
 _ODD = 3.0
-#: readings that leave less than this of their stated uncertainty leave what arithmetic rounds
-_ROUNDING = 1e-9
 
 
 def noise_before(weighing: Weighing) -> FeatureNoise:
@@ -50,7 +36,7 @@ def noise_after(weighing: Weighing, explanation: Explanation) -> FeatureNoise | 
     Readings that are what was predicted, as a table of nominal values is, show no noise.
     """
     noise = weighing.base.noise
-    if np.median(np.abs(noise.standardised(explanation.posterior.left))) < _ROUNDING:
+    if np.median(np.abs(noise.standardised(explanation.posterior.left))) < ROUNDING:
         return None
     correlated = _correlated(weighing, explanation, _with_tails(weighing, explanation)[0])
     return None if correlated is noise else correlated
@@ -84,7 +70,7 @@ def score_with_tails(weighing: Weighing, explanation: Explanation, least: float)
     """Score beside the tails that an explanation leaves; roughly where it is below the least."""
     score, away = explanation.score, np.abs(weighing.deletion_residuals(explanation))
     # what is set aside brings no more than it costs now
-    if np.median(away) < _ROUNDING or score + 0.5 * float(np.sum(away[away > _ODD] ** 2)) < least:
+    if np.median(away) < ROUNDING or score + 0.5 * float(np.sum(away[away > _ODD] ** 2)) < least:
         return score
     return score + _with_tails(weighing, explanation)[1]
 
@@ -111,46 +97,8 @@ def _log_probability(weighing: Weighing, explanation: Explanation, noise: Featur
 
 
 def _weights(weighing: Weighing, explanation: Explanation) -> tuple[np.ndarray, float]:
-    """Weight of every reading as one of Student's t, whose tails the readings tell.
-
-    With them their log probability beside the covariance.
-    """
-    left, group = weighing.deletion_residuals(explanation), weighing.survey.group
-    away = np.abs(left)
-    if np.median(away) < _ROUNDING:
-        return np.ones(len(away)), 0.0
-    normal = -0.5 * len(away) * (1.0 + np.log(2.0 * np.pi * np.mean(away**2)))
-    best, weight, log_prior = normal + _WORTH, np.ones(len(away)), 0.0
-    # neighbours that lie together have a cause, and are no tail
-    alone = np.minimum(away, apart_from_neighbours(left, group, few=apart_from_few(left, group)))
-    for degrees in _TAILS:
-        scale = np.median(away) / stdtrit(degrees, 0.75)
-        log = gammaln(0.5 * (degrees + 1)) - gammaln(0.5 * degrees)
-        log -= 0.5 * np.log(np.pi * degrees) + np.log(scale)
-        square = (away / scale) ** 2 / degrees
-        total = len(away) * log - 0.5 * (degrees + 1) * np.log1p(square).sum()
-        if total > best:
-            best, weight = total, (degrees + 1.0) / (degrees + (alone / scale) ** 2)
-            log_prior = log_prior_of_weights(weight, degrees)
-    return weight, log_prior
-
-
-def log_prior_of_weights(weight: np.ndarray, degrees: float) -> float:
-    """Log probability of mean weights (n,) that the covariance of the readings does not state.
-
-    With it the readings are as probable as under Student's t, whose weights are chi-squared: each
-    is known up to a gamma distribution, whose mean it is. Without it a reading that weighs little
-    costs nothing.
-
-    Source: derived here, as the variational bound of C. Bishop, Pattern Recognition and Machine
-    Learning (2006), eq. 10.3; it is exact for one reading where the weight is its expected one.
-    """
-    before, after = 0.5 * degrees, 0.5 * (degrees + 1.0)
-    rate = after / weight
-    expected = digamma(after) - np.log(rate)
-    relative = (after - before) * digamma(after) - gammaln(after) + gammaln(before)
-    relative += before * np.log(rate / before) + after * (before - rate) / rate
-    return float(np.sum(0.5 * (expected - np.log(weight)) - relative))
+    """Weight of every reading beside the tails that an explanation leaves, and what it costs."""
+    return weights_of(weighing.deletion_residuals(explanation), weighing.survey.group)
 
 
 def _correlated(weighing: Weighing, explanation: Explanation, noise: FeatureNoise) -> FeatureNoise:
@@ -178,7 +126,7 @@ def _correlated(weighing: Weighing, explanation: Explanation, noise: FeatureNois
             )
             if (here := log_probability(trial)) > best + 0.1:
                 best, found = here, trial
-    if best < plain + _WORTH:
+    if best < plain + WORTH:
         return noise if noise.share == 0.0 else replace(noise, share=0.0)
     moved = max(abs(found.share - noise.share), abs(found.correlation - noise.correlation))
     return noise if noise.share > 0.0 and moved < 0.1 else found
