@@ -272,6 +272,11 @@ def _run_as_recognised(
                 name_unread_control(data.decode("latin-1"))
             if spoken.is_fallback and _NUMBERED.match(data):
                 error.hint = "it begins with a program number: is it for FANUC or Haas?"
+            seems = choose_dialect("auto", data, whole=True)
+            if seems.dialect is not spoken.dialect and not seems.is_fallback:
+                control = f"{seems.dialect.title} ({seems.dialect.name})"
+                hints = filter(None, (error.hint, f"is it for {control}? {seems.reason}"))
+                error.hint = "; ".join(hints)
             raise
         return other, run(other.dialect)
 
