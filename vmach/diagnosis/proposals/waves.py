@@ -31,15 +31,15 @@ _FADES_S = (0.1, 0.4)
 #: peaks of the periodogram that are fitted by least squares: gaps between features may make many
 #: others higher than that of the wave
 _FITTED = 16
-#: of these, so many are put on the list for each argument and direction
+#: readings at most that they are fitted to, evenly spread
+_FITTED_ON = 3000
+#: of these peaks, so many are put on the list for each argument and direction
 _PEAKS = 2
 #: a wave has to go round that often, else it is a trend
 _LEAST_TURNS = 1.5
 #: steps to the frequency of least squares, in cells of the periodogram; the last one turns a wave
 #: by 1/64 over the whole way
 _STEPS = (1.0, 0.5, 0.25, 0.125, 0.0625)
-
-
 #: what readings see of a wave that little beside the alignment, of squares, is rounding
 _RCOND = 1e-9
 
@@ -144,7 +144,8 @@ class _Wave:
         self.along, self.span = along, float(np.ptp(along))
         self.sensed = sensed / survey.u_mm[:, None]
         self.left = left_mm / survey.u_mm
-        self._alignment = orthonormal(survey.nuisance / survey.u_mm[:, None])
+        self._rows = slice(None, None, -(-len(along) // _FITTED_ON))
+        self._alignment = orthonormal((survey.nuisance / survey.u_mm[:, None])[self._rows])
 
     def refined(self, frequency: float) -> float:
         """The frequency of least squares next to one, uphill in steps that are halved.
@@ -162,10 +163,11 @@ class _Wave:
 
     def gain(self, frequency: float) -> float:
         """Sum of squares that the wave explains beside the alignment, of whitened readings."""
-        turn = 2.0 * np.pi * frequency * self.along[:, None]
-        columns = np.hstack([self.sensed * np.sin(turn), self.sensed * np.cos(turn)])
+        along, sensed, left = (v[self._rows] for v in (self.along, self.sensed, self.left))
+        turn = 2.0 * np.pi * frequency * along[:, None]
+        columns = np.hstack([sensed * np.sin(turn), sensed * np.cos(turn)])
         aligned = self._alignment.T @ columns
-        moments = columns.T @ self.left - aligned.T @ (self._alignment.T @ self.left)
+        moments = columns.T @ left - aligned.T @ (self._alignment.T @ left)
         products = columns.T @ columns - aligned.T @ aligned
         return float(moments @ np.linalg.lstsq(products, moments, rcond=_RCOND)[0])
 
