@@ -27,11 +27,9 @@ __all__ = [
 
 #: way over which what follows a reversal fades, mm
 _FADES_MM = (1.0, 10.0)
-#: speed over which the friction of a guide falls as its oil carries, m/min: 0.1 to 10 mm/s are
-#: reported (B. Armstrong-Hélouvry et al., Automatica 30 (1994) 1083, the Stribeck curve)
+#: speed over which the friction of a guide falls as its oil carries, m/min; chosen (the Stribeck
+#: curve, B. Armstrong-Hélouvry et al., Automatica 30 (1994) 1083)
 _SLOW_M_MIN = 0.2
-#: an axis at rest has no friction of motion
-_IS_MOVING = "np.abs(path.velocity_mm_per_s[:, {}]) > 1e-3"
 #: time constants of what warms or settles, s; a factor of four apart, the best is never far
 _SETTLES_S = (75.0, 300.0, 1200.0, 4800.0)
 #: half turns at most of a smooth curve along an axis
@@ -196,7 +194,8 @@ def _of_axis(k: int, axis: str) -> Iterator[State]:
     yield State("direction", f"direction of {axis}", f"path.play_side[:, {k}]")
     speed = f"0.06 * path.velocity_mm_per_s[:, {k}]"
     yield State("speed", f"speed of {axis} in m/min", speed)
-    slow = f"np.where({_IS_MOVING.format(k)}, np.exp(-np.abs({speed}) / {_SLOW_M_MIN}), 0.0)"
+    # an axis at rest has no friction of motion
+    slow = f"np.where(np.abs({speed}) > 1e-4, np.exp(-np.abs({speed}) / {_SLOW_M_MIN}), 0.0)"
     yield State("low speed", f"low speed of {axis}, fading within {_SLOW_M_MIN:g} m/min", slow)
     pull = f"1e-3 * path.acceleration_mm_per_s2[:, {k}]"
     yield State("acceleration", f"acceleration of {axis} in m/s²", pull)
