@@ -164,8 +164,9 @@ def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
 
 def _searched_over(survey: Survey, weighing: Weighing) -> tuple[Weighing, Explanation]:
     """The same over the contacts of a survey, which a form chose: effects alone would not."""
-    weighing = over(survey, weighing)
-    weighing, found = beside_own_noise(weighing, search(weighing, weighing.nothing()))
+    start = over(survey, weighing)
+    weighing.release()
+    weighing, found = beside_own_noise(start, search(start, start.nothing()))
     found = search_beyond(weighing, without_needless(weighing, found))
     return as_defined(weighing, search_possible(weighing, found))
 
