@@ -46,15 +46,15 @@ _RCOND = 1e-9
 
 @dataclass(frozen=True)
 class _Argument:
-    """What a wave may go along: its words with unit, code, and the range of its period.
+    """What a wave may go along: words for it, code, and the range of its period.
 
-    `kind` is that of the state, `height` code of how high the wave is.
+    `kind` is that of the state, `height` code of how high the wave is. The words take the
+    ``period`` and its inverse, ``hertz``.
     """
 
     kind: str
     words: str
     code: str
-    unit: str
     shortest: float
     longest: float = np.inf
     directions: tuple[Direction, ...] = DIRECTIONS
@@ -72,8 +72,9 @@ def _along_axis(k: int, axis: str) -> Iterator[_Argument]:
     error: catalogues of linear encoders).
     """
     position = f"path.nose_mm[:, {k}]"
-    yield _Argument(f"wave in {axis}", axis, position, "mm", 1.0)
-    yield _Argument(f"wave in {axis}", axis, position, "mm", 0.02, 1.0, (DIRECTIONS[k],))
+    kind, words = f"wave in {axis}", f"a wave of {{period:.4g}} mm in {axis}"
+    yield _Argument(kind, words, position, 1.0)
+    yield _Argument(kind, words, position, 0.02, 1.0, (DIRECTIONS[k],))
 
 
 def _after_reversal(k: int, axis: str) -> Iterator[_Argument]:
@@ -81,18 +82,32 @@ def _after_reversal(k: int, axis: str) -> Iterator[_Argument]:
     since = f"path.time_since_reversal_s[:, {k}]"
     for fade in _FADES_S:
         yield _Argument(
-            "ringing", f"time after {axis} turned, fading within {fade:g} s",
-            f"np.minimum({since}, {10.0 * fade:g})", "s", 0.02, directions=(DIRECTIONS[k],),
+            "ringing",
+            f"ringing of {{hertz:.4g}} Hz after {axis} turned, fading within {fade:g} s",
+            f"np.minimum({since}, {10.0 * fade:g})",
+            0.02,
+            directions=(DIRECTIONS[k],),
             height=f"path.play_side[:, {k}] * np.exp(-{since} / {fade:g})",
-        )  # fmt: skip
+        )
 
 
 _ARGUMENTS = (
     *(argument for k, axis in enumerate(LINEAR_AXES) for argument in _after_reversal(k, axis)),
     *(argument for k, axis in enumerate(LINEAR_AXES) for argument in _along_axis(k, axis)),
     # what goes on beside the machining moves all axes
-    _Argument("wave in time", "time", "path.time_s", "s", 60.0, directions=(*DIRECTIONS, ALL_AXES)),
-    _Argument("wave in cutting length", "cutting length", "path.cutting_length_mm", "mm", 2.0),
+    _Argument(
+        "wave in time",
+        "a wave of {period:.4g} s in time",
+        "path.time_s",
+        60.0,
+        directions=(*DIRECTIONS, ALL_AXES),
+    ),
+    _Argument(
+        "wave in cutting length",
+        "a wave of {period:.4g} mm in cutting length",
+        "path.cutting_length_mm",
+        2.0,
+    ),
 )
 
 
@@ -196,7 +211,7 @@ def _state(argument: _Argument, frequency: float, span: float) -> State:
     turn = f"{2.0 * np.pi * frequency!r} * {argument.code}"
     return State(
         argument.kind,
-        f"a wave of {1.0 / frequency:.4g} {argument.unit} in {argument.words}",
+        argument.words.format(period=1.0 / frequency, hertz=frequency),
         f"({argument.height})[:, None] * np.stack([np.sin({turn}), np.cos({turn})], axis=1)",
         looked_at=max(span / argument.shortest, 1.0),
     )
