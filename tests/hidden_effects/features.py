@@ -85,6 +85,7 @@ class FeatureBuilder:
         angles = np.deg2rad(np.linspace(8, 352, 36) + rng.uniform(-3, 3, 36))
         for angle, z in zip(angles, self.wall_heights(depth, 36), strict=True):
             out = np.array([np.cos(angle), np.sin(angle), 0.0])
+            turned = (turn * angle) % (2 * np.pi) / (2 * np.pi)
             self._on_arc(
                 name,
                 np.array([*centre, 0.0]),
@@ -95,9 +96,10 @@ class FeatureBuilder:
                 edge=radius,
                 nodes=start,
                 turn=turn,
-                turned=(turn * angle) % (2 * np.pi) / (2 * np.pi),
+                turned=turned,
                 feed=feed,
-                ae=allowance,
+                # the last of the turn meets what the tool took away where it began
+                ae=allowance if turned < 0.5 else _left_by_entry(radius, rho, angle, allowance),
             )
 
     def _on_arc(
@@ -307,6 +309,14 @@ class FeatureBuilder:
                     ap_mm=depth,
                     geometry_mm=distance - tool.diameter_mm / 2,
                 )
+
+
+def _left_by_entry(radius: float, rho: float, angle: float, allowance: float) -> float:
+    """Material on a bore's wall at an angle, where the tool came in along X to `rho`, in mm."""
+    inwards = np.linspace(0.0, allowance, 401)
+    x, y = (radius - inwards) * np.cos(angle), (radius - inwards) * np.sin(angle)
+    gone = np.hypot(x - np.clip(x, 0.0, rho), y) < radius - rho
+    return float(inwards[np.argmax(gone)]) if gone.any() else allowance
 
 
 def _turned(vector: np.ndarray, angle: float) -> np.ndarray:

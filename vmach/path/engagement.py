@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from gcode import MoveKind
+from gcode import MoveKind, Moves
 from vmach.base.alike_rows import alike_rows
 from vmach.path.geometry import move_length_mm, position_at
 from vmach.path.toolpath import PathStates
@@ -22,7 +22,7 @@ __all__ = ["radial_depth_mm"]
 _ARC_STEP_RAD = np.radians(1.5)
 #: how far chords of an arc may lie from it
 _ARC_SAG_MM = 0.01
-#: way just before the contact, in tool radii, that belongs to the same cut
+#: way across the tool axis just before the contact, in tool radii, that belongs to the same cut
 _SAME_CUT_RADII = 3.0
 #: an earlier pass this near to the final surface leaves nothing to cut
 _NOTHING_MM = 1e-4
@@ -38,13 +38,13 @@ class _Contacts(NamedTuple):
     """Where the tool made the surface, P contacts in machine coordinates.
 
     `position_mm` is (P, 3), `direction` (P, 2) the horizontal part of the normal as a unit
-    vector, zero where there is none; `path_length_mm` (P,) is the program's up to the
-    contact, `radius_mm` (P,) the tool's.
+    vector, zero where there is none; `way_mm` (P,) is the program's across the tool axis up to
+    the contact, `radius_mm` (P,) the tool's.
     """
 
     position_mm: np.ndarray
     direction: np.ndarray
-    path_length_mm: np.ndarray
+    way_mm: np.ndarray
     radius_mm: np.ndarray
 
 
@@ -87,7 +87,7 @@ def _depth_of_each(states: PathStates, normal: np.ndarray, radii_mm: np.ndarray)
     flat = np.hypot(normal[:, 0], normal[:, 1])
     sideways = flat > _VERTICAL
     direction = normal[:, :2] / np.where(sideways, flat, 1.0)[:, None]
-    length = move_length_mm(states.moves)
+    length = _across_axis_mm(states.moves)
     way = np.cumsum(length) - length
     contacts = _Contacts(
         states.nose_mm + states.tool_mm + states.contact_mm,
@@ -95,11 +95,20 @@ def _depth_of_each(states: PathStates, normal: np.ndarray, radii_mm: np.ndarray)
         way[states.move] + states.parameter * length[states.move],
         radii_mm[states.tool],
     )
-    return _depths(contacts, _chords(states, radii_mm, path_length_mm=way, length_mm=length))
+    return _depths(contacts, _chords(states, radii_mm, way_mm=way, length_mm=length))
+
+
+def _across_axis_mm(moves: Moves) -> np.ndarray:
+    """Way of every move, (N,), of straight ones across the tool axis: a plunge takes none.
+
+    The hole that a tool plunged into is no earlier pass of the wall beside it.
+    """
+    flat = np.hypot(*(moves.end_mm - moves.start_mm)[:, :2].T)
+    return np.where(moves.kind == MoveKind.ARC, move_length_mm(moves), flat)
 
 
 def _chords(
-    states: PathStates, radii_mm: np.ndarray, *, path_length_mm: np.ndarray, length_mm: np.ndarray
+    states: PathStates, radii_mm: np.ndarray, *, way_mm: np.ndarray, length_mm: np.ndarray
 ) -> _Chords:
     """Chords of the whole program; of each move the way before it and its length, (N,)."""
     moves, lengths = states.moves, states.tool_lengths_mm
@@ -112,7 +121,7 @@ def _chords(
     step = np.arange(len(move)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
     count = np.repeat(pieces, pieces)
     drop = np.column_stack([np.zeros((len(move), 2)), tool_length[move]])
-    way = path_length_mm[move] + step / count * length_mm[move]
+    way = way_mm[move] + step / count * length_mm[move]
     return _Chords(
         position_at(moves, move, step / count) - drop,
         position_at(moves, move, (step + 1) / count) - drop,
@@ -136,7 +145,7 @@ def _depth(contacts, k, chords):
     """Way from contact k to the nearest pass of an earlier cut that leaves the surface, mm."""
     point, start, end, cut = contacts.position_mm[k], chords.start_mm, chords.end_mm, chords.cut
     normal = (contacts.direction[k, 0], contacts.direction[k, 1])
-    way = contacts.path_length_mm[k] - _SAME_CUT_RADII * contacts.radius_mm[k]
+    way = contacts.way_mm[k] - _SAME_CUT_RADII * contacts.radius_mm[k]
     nearest = 2.0 * contacts.radius_mm[k]
     in_cut, gouges = nearest, False
     for c in range(len(start)):
@@ -148,9 +157,9 @@ def _depth(contacts, k, chords):
             break
         if min(start[c, 2], end[c, 2]) > point[2]:
             continue
-        x, y, z = end[c, 0] - start[c, 0], end[c, 1] - start[c, 1], end[c, 2] - start[c, 2]
+        x, y = end[c, 0] - start[c, 0], end[c, 1] - start[c, 1]
         # of the chord that the tool is on, only what lies well behind it
-        share = min(1.0, left / max(math.sqrt(x * x + y * y + z * z), left))
+        share = min(1.0, left / max(math.sqrt(x * x + y * y), left))
         offset = (point[0] - start[c, 0], point[1] - start[c, 1])
         chord, radius = (share * x, share * y), chords.way_radius_mm[c, 1]
         in_cut = min(in_cut, _entry(offset, normal, chord, radius))

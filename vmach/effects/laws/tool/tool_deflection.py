@@ -17,6 +17,9 @@ _ALLOWANCE_SPREAD_MM = 0.3
 #: of the force: between edges that only rub and chips that cost nothing extra
 _EXPONENTS = (0.3, 1.3)
 
+#: from a slot that was cut from the full, where nothing was left
+_ALLOWANCES_MM = (0.0005, 3.2)
+
 
 class ToolDeflection(Effect):
     """Material is left in proportion to the force across the wall and the tool's slenderness.
@@ -82,6 +85,7 @@ class ToolDeflection(Effect):
             "radial depth of walls that an earlier program roughed",
             (0.05, 0.1, 0.2, 0.4, 0.8),
             usual=0.3,
+            within=_ALLOWANCES_MM,
         ),
     )
     targets = ("",)
