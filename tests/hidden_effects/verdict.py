@@ -17,11 +17,14 @@ The rules, as strict as physics allows:
   and no measurement tells them apart.
 * A class is right if it holds the true name, if its leader or a rival points at the same target
   where the names agree, and if it has at most `MOST_IN_CLASS` members: `vague` otherwise.
+* The report tells sets of effects that are as probable as what it found: two in the place of one,
+  or one in the place of two. Where such a set is the truth, the truth is in the class.
 * Something accused besides what is true: `extra`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import permutations
 
@@ -52,6 +55,34 @@ class Judgement:
 
 def judge(report: dict, truth: dict) -> Judgement:
     """Compare a report of ``vmach diagnose --json`` with ``truth.json``."""
+    own = _judged(report, truth)
+    if own.outcome in ("right", "class", "vague", "alone"):
+        return own
+    for other in _with_other_sets(report):
+        if _judged(other, truth).outcome in ("right", "class"):
+            true = len(truth["effects"])
+            return Judgement("class", [], own.said, true, true)
+    return own
+
+
+def _with_other_sets(report: dict) -> Iterator[dict]:
+    """The report with each set that it tells in the place of what it found."""
+    for one in {str(s): s for e in report["effects"] for s in e.get("other_sets", ())}.values():
+        label = [f"{e['effect']} {e['target'] or ''}".strip() for e in report["effects"]]
+        kept = [
+            e
+            for e, name in zip(report["effects"], label, strict=True)
+            if name not in one["without"]
+        ]
+        new = [
+            dict(zip(("effect", "target"), (*name.split(), None), strict=False))
+            for name in one["with"]
+        ]
+        new = [e | {"class": [e["effect"]], "parameters": {}, "u": {}} for e in new]
+        yield report | {"effects": kept + new}
+
+
+def _judged(report: dict, truth: dict) -> Judgement:
     said, verdict, hidden = _said(report), report["verdict"], truth["effects"]
     if not hidden:
         named = sum(entry["effect"] != "unknown" for entry in report["effects"])

@@ -26,7 +26,7 @@ from vmach.diagnosis.inference.verdicts import Reason, Weak
 from vmach.diagnosis.next_test.planned_program import write_program
 from vmach.diagnosis.report import as_json, as_text
 from vmach.diagnosis.residuals.job_survey import survey_job
-from vmach.diagnosis.rivals import Rivals, credible, in_other_sets, rivals_of
+from vmach.diagnosis.rivals import Rivals, credible, other_sets, rivals_of
 from vmach.diagnosis.words import weak_words, with_unit
 from vmach.effects import Circumstances, catalogue
 from vmach.errors import InputError
@@ -379,18 +379,37 @@ def test_a_class_is_the_fewest_effects_that_hold_99_per_cent():
     )
 
 
-def test_effects_of_a_set_that_explains_as_much_belong_to_the_class():
-    scores = {"ab": -10.0, "acd": -13.0, "ae": -16.0, "fg": -11.0}
+def sets_instead(scores, label, alone=()):
+    """What takes the place of an effect, and of which, in sets of given scores."""
     weighing = SimpleNamespace(tried={frozenset(labels): s for labels, s in scores.items()})
-    assert in_other_sets(weighing, "b") == ["c", "d"]
-    assert in_other_sets(weighing, "a") == []
+    found = other_sets(weighing, label, dict(alone))
+    return [("".join(sorted(one.without)), "".join(sorted(one.instead))) for one in found]
+
+
+def test_effects_of_a_set_that_explains_as_much_belong_to_the_class():
+    scores = {"ab": -10.0, "acd": -13.0, "ae": -16.0, "abg": -11.0, "a": -12.0}
+    assert sets_instead(scores, "b") == [("b", "cd")]
+    assert sets_instead(scores, "a") == []
+
+
+def test_one_effect_may_stand_for_two():
+    scores = {"abx": -10.0, "cx": -11.0, "ax": -14.5, "dx": -16.5}
+    assert sets_instead(scores, "a") == sets_instead(scores, "b") == [("ab", "c")]
+    assert sets_instead(scores, "x") == []
 
 
 def test_what_stands_idly_beside_a_rival_is_none():
     scores = {"ab": -10.0, "ac": -10.1, "acd": -11.0, "aef": -12.0}
-    weighing = SimpleNamespace(tried={frozenset(labels): s for labels, s in scores.items()})
-    assert in_other_sets(weighing, "b") == ["c", "e", "f"]
-    assert in_other_sets(weighing, "b", alone=["f"]) == ["c"]
+    assert sets_instead(scores, "b") == [("b", "c"), ("b", "ef")]
+    assert sets_instead(scores, "b", alone={"f": -1.5}) == [("b", "c")]
+    # the two together are more probable than one of them alone
+    assert sets_instead(scores, "b", alone={"f": -2.5}) == [("b", "c"), ("b", "ef")]
+
+
+def test_two_exchanges_at_once_are_told_one_by_one():
+    scores = {"ab": -10.0, "ac": -10.5, "db": -10.5, "dc": -11.0}
+    assert sets_instead(scores, "b") == [("b", "c")]
+    assert sets_instead(scores, "a") == [("a", "d")]
 
 
 def test_effects_that_come_near_each_other_are_counted_together():
@@ -467,6 +486,7 @@ def test_what_is_less_probable_than_nothing_is_no_rival():
         gains=lambda _: gains,
         without=lambda *_, **__: SimpleNamespace(labels=frozenset()),
         tried={frozenset(["e0"]): 4.0},
+        index_of=labels.index,
     )
     term = SimpleNamespace(label="e0", effect=effect)
     explanation = SimpleNamespace(fit=SimpleNamespace(terms=(term,)))
@@ -496,6 +516,7 @@ def test_an_effect_that_leaves_all_to_its_helpers_is_no_rival():
         gains=lambda _: np.array([9.0, -9.0, -9.0, -9.0]),
         without=lambda *_, **__: others,
         tried={frozenset(labels[:1]): 9.0},
+        index_of=labels.index,
     )
     fit = SimpleNamespace(terms=candidates[:1], explained_mm=lambda _: 5.0 * readings[0])
     rivals = rivals_of(weighing, SimpleNamespace(fit=fit), 0)

@@ -63,7 +63,8 @@ class Finding:
     @property
     def status(self) -> str:
         """Shown, or one of a class that the data cannot tell apart, by name or by target."""
-        one = len(self.rivals.names) < 2 and len(set(self.rivals.labels) | {self.label}) < 2
+        rivals = self.rivals
+        one = len(rivals.names) < 2 and len({*rivals.labels, *rivals.in_sets, self.label}) < 2
         return "shown" if one else "class"
 
     @property
@@ -79,14 +80,15 @@ class Finding:
     @property
     def joint_rivals(self) -> tuple[str, ...]:
         """Names of rivals that no single target makes."""
-        alone = {label.split()[0] for label in self.rivals.labels}
+        alone = {label.split()[0] for label in (*self.rivals.labels, *self.rivals.in_sets)}
         return tuple(name for name in self.rivals.names if name not in alone)
 
     @property
     def indistinct(self) -> tuple[str, ...]:
         """What the data cannot tell this effect from, in words."""
-        others = tuple(label for label in self.rivals.labels if label != self.label)
-        return (*others, *map(_at_once, self.joint_rivals))
+        others = (label for label in self.rivals.labels if label != self.label)
+        sets = (one.words(self.label) for one in self.rivals.sets)
+        return (*others, *sets, *map(_at_once, self.joint_rivals))
 
 
 def _at_once(name: str) -> str:

@@ -13,6 +13,7 @@ from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.inference.verdicts import Weak
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.residuals.where_it_fails import Failure
+from vmach.diagnosis.rivals import OtherSet
 from vmach.diagnosis.words import RELATIVE, describe, expected, rounded, title_of, weak_words
 from vmach.effects.declaration import unit_of
 from vmach.files.atomic import atomic_file
@@ -108,8 +109,18 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "where": finding.where,
     }
     if finding.effect is not None:
-        entry |= {"rivals": list(finding.rivals.labels), **describe(finding.effect)}
+        sets = [_other_set(one) for one in finding.rivals.sets]
+        entry |= {"rivals": list(finding.rivals.labels), "other_sets": sets}
+        entry |= describe(finding.effect)
     return entry
+
+
+def _other_set(one: OtherSet) -> dict[str, Any]:
+    return {
+        "without": sorted(one.without),
+        "with": sorted(one.instead),
+        "log_odds": round(one.odds, 2),
+    }
 
 
 def _rounded(value: Any) -> Any:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -15,7 +15,46 @@ from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.effects import catalogue
 from vmach.fit.candidates import Candidate
 
-__all__ = ["Rivals", "credible", "in_other_sets", "rivals_of"]
+__all__ = ["OtherSet", "Rivals", "credible", "other_sets", "rivals_of"]
+
+
+#: other sets that are told of an effect at most; chosen
+_TOLD = 4
+
+
+@dataclass(frozen=True)
+class OtherSet:
+    """A set of effects that is nearly as probable as the one that was found.
+
+    Attributes
+    ----------
+    without : frozenset of str
+        Names and targets of what was found, and is not in it.
+    instead : frozenset of str
+        What is in it instead.
+    odds : float
+        Log odds for it against the set that was found.
+    """
+
+    without: frozenset[str]
+    instead: frozenset[str]
+    odds: float
+
+    @property
+    def is_one_for_one(self) -> bool:
+        """Whether one effect stands in the place of one."""
+        return len(self.without) == len(self.instead) == 1
+
+    def does_idly_more_than(self, other: OtherSet) -> bool:
+        """Whether it exchanges more than another one, and is not more probable for it."""
+        more = other.without <= self.without and other.instead <= self.instead
+        return more and self != other and other.odds >= self.odds
+
+    def words(self, label: str) -> str:
+        """What stands in the place of one effect, and of which others."""
+        others = sorted(self.without - {label})
+        beside = f" in the place of it and {' and '.join(others)}" if others else ""
+        return f"{' with '.join(sorted(self.instead))}{beside}"
 
 
 @dataclass(frozen=True)
@@ -27,11 +66,19 @@ class Rivals:
     names : tuple of str
         Names of effects, the most plausible first, the one found among them.
     labels : tuple of str
-        The same with targets.
+        The same with targets, of those that each stand in its place.
+    sets : tuple of OtherSet
+        Where several stand in its place, or one in its place and that of others.
     """
 
     names: tuple[str, ...]
     labels: tuple[str, ...]
+    sets: tuple[OtherSet, ...] = ()
+
+    @property
+    def in_sets(self) -> frozenset[str]:
+        """Names and targets of those that stand there with others, or for others too."""
+        return frozenset().union(*(one.instead for one in self.sets))
 
 
 def rivals_of(weighing: Weighing, explanation: Explanation, k: int) -> Rivals:
@@ -49,15 +96,19 @@ def rivals_of(weighing: Weighing, explanation: Explanation, k: int) -> Rivals:
         and not _needs_impossible_size(weighing, others, i)
     ]
     labels = [weighing.candidates[i].label for i in near]
-    beside = in_other_sets(weighing, own.label, alone=labels)
+    odds = gains - gains[weighing.index_of(own.label)]
+    sets = other_sets(weighing, own.label, {labels[k]: odds[i] for k, i in enumerate(near)})
+    beside = sorted(label for one in sets if one.is_one_for_one for label in one.instead)
     labels += [label for label in beside if label not in labels]
     if own.label not in labels:
         labels.insert(0, own.label)
-    names = list(dict.fromkeys(label.split()[0] for label in labels))
+    joint = tuple(one for one in sets if not one.is_one_for_one)
+    rivals = Rivals((), tuple(labels), joint)
+    names = list(dict.fromkeys(label.split()[0] for label in (*labels, *sorted(rivals.in_sets))))
     alike = _jointly(weighing, explanation, k, others) + _at_once(weighing, explanation, k, others)
     names += [n for n in dict.fromkeys(alike) if n not in names]
     names.sort(key=lambda name: name != own.effect.name)
-    return Rivals(tuple(names), tuple(labels))
+    return replace(rivals, names=tuple(names))
 
 
 def credible(gains: np.ndarray) -> np.ndarray:
@@ -68,20 +119,25 @@ def credible(gains: np.ndarray) -> np.ndarray:
     return order[before < 1.0 - np.exp(-CLEARLY)]
 
 
-def in_other_sets(weighing: Weighing, label: str, *, alone: Sequence[str] = ()) -> list[str]:
-    """Effects in the place of one, in sets that are nearly as probable as the best.
+def other_sets(weighing: Weighing, label: str, alone: Mapping[str, float]) -> tuple[OtherSet, ...]:
+    """Sets without one effect that are nearly as probable as the best, the most probable first.
 
-    What stands there beside effects that can do so without it, as those that can `alone`, does
-    nothing in its place.
+    One that exchanges more than another one, and is not more probable for it, is not told. So what
+    stands there beside an effect that can do as well `alone`, with its log odds, is no rival.
     """
     tried = weighing.tried
     best = max(tried, key=lambda labels: tried[labels], default=frozenset())
-    sets = [best, *(labels for labels in tried if best - labels == {label})]
-    near = credible(np.array([tried.get(labels, 0.0) for labels in sets]))
-    instead = [sets[k] - best for k in near if sets[k] != best]
-    fewer = [*instead, *(frozenset({one}) for one in alone)]
-    least = (labels for labels in instead if not any(one < labels for one in fewer))
-    return sorted({other for labels in least for other in labels})
+    every = [OtherSet(best - one, one - best, tried[one] - tried[best]) for one in tried]
+    sets = [one for one in every if one.instead or not one.without]
+    near = [sets[k] for k in credible(np.array([one.odds for one in sets]))]
+    known = [OtherSet(frozenset({label}), frozenset({k}), odds) for k, odds in alone.items()]
+    exchanged = [one for one in near if one.without]
+    least = (
+        one
+        for one in exchanged
+        if not any(one.does_idly_more_than(other) for other in (*exchanged, *known))
+    )
+    return tuple(one for one in least if label in one.without)[:_TOLD]
 
 
 def _needs_impossible_size(weighing: Weighing, others: Explanation, i: int) -> bool:

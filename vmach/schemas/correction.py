@@ -11,6 +11,17 @@ from vmach.schemas.base import NoteRecord, Output
 __all__ = ["CompensationFigures", "DiagnosisFigures"]
 
 
+class _OtherSet(Output):
+    """A set of effects that is nearly as probable as the one that was found."""
+
+    without: list[str]
+    """Effects and targets that are not in it."""
+    instead: list[str] = Field(alias="with")
+    """Those that are in it instead."""
+    log_odds: float
+    """Natural logarithm, for it against what was found."""
+
+
 class _Finding(Output):
     """An effect that is missing in the model, or something unknown."""
 
@@ -39,7 +50,10 @@ class _Finding(Output):
     where: str | None
     """Place on the axis, of a correction curve."""
     rivals: list[str] = []
-    """The members with their targets; missing, as all below, where no effect explains it."""
+    """Those that each stand in its place, with targets; missing, as all below, where no effect
+    explains it."""
+    other_sets: list[_OtherSet] = []
+    """Where several members stand in its place, or one in its place and that of others."""
     what: str = ""
     usual_size: str = ""
     """In words, as are the next two."""

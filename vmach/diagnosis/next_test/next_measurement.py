@@ -133,11 +133,11 @@ def _power_of_form(test: PlannedTest, path: Circumstances, proposal: Proposal) -
 
 def _labels(weighing: Weighing, finding: Finding) -> list[str]:
     """The rivals of a finding; of those that rival it as a team, every member."""
+    rivals = {*finding.rivals.labels, *finding.rivals.in_sets}
     return [
         c.label
         for c in weighing.candidates
-        if c.label != finding.label
-        and (c.label in finding.rivals.labels or c.effect.name in finding.joint_rivals)
+        if c.label != finding.label and (c.label in rivals or c.effect.name in finding.joint_rivals)
     ]
 
 
