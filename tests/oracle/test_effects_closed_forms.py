@@ -285,6 +285,27 @@ def test_a_slot_from_the_full_is_pushed_aside_as_a_whole(tmp_path):
     assert not moved[:, [0, 2]].any()
 
 
+@pytest.mark.parametrize("depth_mm", [6.0, 18.0])
+def test_a_slot_is_cut_from_the_full_beside_the_hole_of_its_plunge(tmp_path, depth_mm):
+    """A plunge is a long way down, and none across: the wall beside it is of the same cut."""
+    job_path = write_job(tmp_path)
+    start = PAST_A_WALL.split("{before}")[0]
+    plunge = f"G0 X0 Y0 Z5\nG1 Z-{depth_mm} F300\nG1 X40 F1200\nM30\n"
+    (tmp_path / "part.nc").write_text(start + plunge)
+    job = read_job(job_path)
+    moves = prepare(job).program.moves
+    along = int(np.flatnonzero(moves.at_feed)[-1])
+    states = PathStates(
+        moves,
+        np.array([np.nan, 100.0]),
+        np.full(5, along),
+        np.linspace(0.05, 0.95, 5),
+        np.tile([0.0, 5.0, 3.0], (5, 1)),
+        np.tile([0.0, -1.0, 0.0], (5, 1)),
+    )
+    assert Circumstances(states, job).radial_depth_mm == pytest.approx(np.full(5, 10.0))
+
+
 PAST_A_WALL = """\
 G21 G90 G94 G17
 T1 M6

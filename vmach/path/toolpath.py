@@ -111,10 +111,16 @@ class PathStates:
 
     @cached_property
     def velocity_mm_per_s(self) -> np.ndarray:
-        """Velocity of the nose, (P, 3); zero while standing."""
-        duration = self.moves.duration_s[self.move][:, None]
+        """Velocity of the nose, (P, 3); zero while standing, and where a rapid begins or ends.
+
+        What a rapid touches where it leaves a surface was made before it set off.
+        """
+        duration = self.moves.duration_s[self.move]
+        is_end = (self.parameter <= 0.0) | (self.parameter >= 1.0)
+        stands = is_end & (self.moves.kind[self.move] == MoveKind.RAPID) | (duration <= 0.0)
         tangent = tangent_at(self.moves, self.move, self.parameter)
-        return np.divide(tangent, duration, out=np.zeros_like(tangent), where=duration > 0)
+        moves = ~stands[:, None]
+        return np.divide(tangent, duration[:, None], out=np.zeros_like(tangent), where=moves)
 
     @property
     def feed_mm_per_min(self) -> np.ndarray:
