@@ -38,7 +38,7 @@ def test_a_rapid_begins_and_ends_at_rest(tmp_path):
     job = read_job(write_job(tmp_path))
     moves = prepare(job).path.nodes.moves
     rapid = int(np.flatnonzero((moves.kind == MoveKind.RAPID) & (moves.duration_s > 0))[-1])
-    feed = int(np.flatnonzero(moves.at_feed)[-1])
+    feed = int(np.flatnonzero(moves.at_feed & (moves.kind != MoveKind.ARC))[-1])
     move, parameter = np.array([rapid, rapid, rapid, feed]), np.array([0.0, 0.5, 1.0, 0.0])
     zero = np.zeros((4, 3))
     states = PathStates(moves, np.array([np.nan, 100.0]), move, parameter, zero, zero)
