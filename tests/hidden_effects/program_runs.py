@@ -65,13 +65,15 @@ def add(folder: Path, report: dict) -> Path:
 def left_by_proposal(folder: Path, share_um: np.ndarray, part: Part) -> float:
     """Share of what a cause does to the check part that the first form proposed does not foretell.
 
-    Free of noise, and of what the calibration does not know.
+    Free of noise, and of what the calibration does not know. Infinite where the cause does nothing
+    there, and the form something.
 
     share_um : what the cause alone does to the points of the check part
     """
     without, with_it = _with_proposal(folder / "job.toml")
     left = aligned_rms_um(share_um - (with_it - without), part)
-    return left / aligned_rms_um(share_um, part)
+    whole = aligned_rms_um(share_um, part)
+    return left / whole if whole else np.inf * left if left else 0.0
 
 
 def misfits_um(job: Path, true_um: np.ndarray, part: Part) -> tuple[float, float]:
