@@ -111,16 +111,10 @@ class PathStates:
 
     @cached_property
     def velocity_mm_per_s(self) -> np.ndarray:
-        """Velocity of the nose, (P, 3); zero while standing, and where a rapid begins or ends.
-
-        What a rapid touches where it leaves a surface was made before it set off.
-        """
-        duration = self.moves.duration_s[self.move]
-        is_end = (self.parameter <= 0.0) | (self.parameter >= 1.0)
-        stands = is_end & (self.moves.kind[self.move] == MoveKind.RAPID) | (duration <= 0.0)
+        """Velocity of the nose, (P, 3); zero while standing."""
+        duration = self.moves.duration_s[self.move][:, None]
         tangent = tangent_at(self.moves, self.move, self.parameter)
-        moves = ~stands[:, None]
-        return np.divide(tangent, duration[:, None], out=np.zeros_like(tangent), where=moves)
+        return np.divide(tangent, duration, out=np.zeros_like(tangent), where=duration > 0)
 
     @property
     def feed_mm_per_min(self) -> np.ndarray:
