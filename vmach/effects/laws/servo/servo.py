@@ -82,12 +82,6 @@ class ServoMismatch(Effect):
     confirm = "ballbar both ways round: the ellipse changes its side with the direction"
     cure = "set equal Kv on both axes"
 
-    def not_testable(self, path, target):
-        """Where one of the axes stands, the lag of the other says nothing of both."""
-        of_both = path.velocity_mm_per_s[:, [LINEAR_AXES.index(axis) for axis in target]]
-        together = (of_both != 0.0).all(axis=1).any()
-        return None if together else f"no place is made while {' and '.join(target)} both move"
-
     def displacement(self, path, target, mismatch_ms):
         first, second = (LINEAR_AXES.index(axis) for axis in target)
         share = np.zeros(3)
