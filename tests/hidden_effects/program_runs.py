@@ -73,7 +73,9 @@ def left_by_proposal(folder: Path, share_um: np.ndarray, part: Part) -> float:
     without, with_it = _with_proposal(folder / "job.toml")
     left = aligned_rms_um(share_um - (with_it - without), part)
     whole = aligned_rms_um(share_um, part)
-    return left / whole if whole else np.inf * left if left else 0.0
+    if whole == 0.0:
+        return 0.0 if left == 0.0 else np.inf
+    return left / whole
 
 
 def misfits_um(job: Path, true_um: np.ndarray, part: Part) -> tuple[float, float]:

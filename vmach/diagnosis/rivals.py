@@ -18,7 +18,7 @@ from vmach.fit.candidates import Candidate
 __all__ = ["OtherSet", "Rivals", "credible", "other_sets", "rivals_of"]
 
 
-#: other sets that are told of an effect at most; chosen
+#: sets that exchange several effects, and are told of one at most; chosen
 _TOLD = 4
 
 
@@ -102,7 +102,7 @@ def rivals_of(weighing: Weighing, explanation: Explanation, k: int) -> Rivals:
     labels += [label for label in beside if label not in labels]
     if own.label not in labels:
         labels.insert(0, own.label)
-    joint = tuple(one for one in sets if not one.is_one_for_one)
+    joint = tuple(one for one in sets if not one.is_one_for_one)[:_TOLD]
     rivals = Rivals((), tuple(labels), joint)
     names = list(dict.fromkeys(label.split()[0] for label in (*labels, *sorted(rivals.in_sets))))
     alike = _jointly(weighing, explanation, k, others) + _at_once(weighing, explanation, k, others)
@@ -137,7 +137,7 @@ def other_sets(weighing: Weighing, label: str, alone: Mapping[str, float]) -> tu
         for one in exchanged
         if not any(one.does_idly_more_than(other) for other in (*exchanged, *known))
     )
-    return tuple(one for one in least if label in one.without)[:_TOLD]
+    return tuple(one for one in least if label in one.without)
 
 
 def _needs_impossible_size(weighing: Weighing, others: Explanation, i: int) -> bool:

@@ -17,7 +17,7 @@ _ALLOWANCE_SPREAD_MM = 0.3
 #: of the force: between edges that only rub and chips that cost nothing extra
 _EXPONENTS = (0.3, 1.3)
 
-#: from a slot that was cut from the full, where nothing was left
+#: from next to nothing, as where a slot was cut from the full, to four times the largest tried
 _ALLOWANCES_MM = (0.0005, 3.2)
 
 
