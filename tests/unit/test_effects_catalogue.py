@@ -96,6 +96,24 @@ def test_component_correction_acts_as_its_table_would(path):
     np.testing.assert_allclose(moved.shift_mm, turned, atol=1e-12)
 
 
+def test_a_mismatch_is_of_axes_that_move_together(path):
+    """Where Z stands while X and Y move, XY, XZ and YZ would be the same to every surface."""
+    mismatch, velocity = catalogue()["servo_mismatch"], path.velocity_mm_per_s
+    level = np.flatnonzero(velocity[:, 2] == 0.0)
+    states = path.states
+    on_level = PathStates(
+        states.moves,
+        states.tool_lengths_mm,
+        states.move[level],
+        states.parameter[level],
+        states.contact_mm[level],
+        states.normal[level],
+    )
+    seen = Circumstances(on_level, path.job)
+    assert mismatch.not_testable(seen, "XY") is None
+    assert mismatch.not_testable(seen, "XZ") == "X and Z never move together"
+
+
 def test_job_tables_become_effects(tmp_path):
     more = "[effects.backlash.X]\nreversal_um = 6\n[effects.backlash.Y]\nreversal_um = 3\n"
     more += '[effects.scale]\ntarget = "Z"\nscale_ppm = 12\n[effects.probe_radius]\nradius_um = 1\n'

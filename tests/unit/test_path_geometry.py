@@ -5,7 +5,7 @@ import pytest
 
 from gcode import MoveKind, Moves
 from vmach.path.geometry import last_direction, move_length_mm, position_at, tangent_at
-from vmach.path.toolpath import Toolpath
+from vmach.path.toolpath import PathStates, Toolpath
 
 
 def make_moves(*rows):
@@ -114,3 +114,18 @@ def test_states_on_pieces_lie_on_the_move():
     expected = position_at(path.nodes.moves, np.zeros(3, int), (piece + s) / 19)
     assert states.nose_mm == pytest.approx(expected, abs=1e-12)
     assert states.tool_mm.tolist() == [[0, 0, -100]] * 3
+
+
+def test_the_nose_rests_at_both_ends_of_a_rapid_and_moves_on_through_a_feed():
+    """What stays in contact where a cut ends and the tool is lifted off is seen at rest."""
+    lift = {"kind": MoveKind.RAPID, "start_mm": (30, 40, 0), "end_mm": (30, 40, 10)}
+    moves = make_moves(LINE, lift)
+    for move, parameter, expected in [
+        (0, 1.0, [30, 40, 0]),
+        (1, 0.0, [0, 0, 0]),
+        (1, 0.5, [0, 0, 10]),
+        (1, 1.0, [0, 0, 0]),
+    ]:
+        at = np.array([move]), np.array([parameter])
+        states = PathStates(moves, np.array([np.nan, 100.0]), *at, np.zeros((1, 3)))
+        assert states.velocity_mm_per_s.tolist() == [expected]

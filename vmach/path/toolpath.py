@@ -111,10 +111,13 @@ class PathStates:
 
     @cached_property
     def velocity_mm_per_s(self) -> np.ndarray:
-        """Velocity of the nose, (P, 3); zero while standing."""
-        duration = self.moves.duration_s[self.move][:, None]
+        """Velocity of the nose, (P, 3); zero while standing, and at the ends of a rapid."""
+        duration = self.moves.duration_s[self.move]
         tangent = tangent_at(self.moves, self.move, self.parameter)
-        return np.divide(tangent, duration, out=np.zeros_like(tangent), where=duration > 0)
+        at_an_end = (self.parameter <= 0.0) | (self.parameter >= 1.0)
+        stands = (self.moves.kind[self.move] == MoveKind.RAPID) & at_an_end
+        moving = ((duration > 0) & ~stands)[:, None]
+        return np.divide(tangent, duration[:, None], out=np.zeros_like(tangent), where=moving)
 
     @property
     def feed_mm_per_min(self) -> np.ndarray:

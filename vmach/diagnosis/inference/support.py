@@ -91,10 +91,12 @@ def supports_of(
     count = len(found.terms) if count is None else count
     sizes, rests = where_they_act_um(weighing, found, count)
     rests = [_looked_into(weighing, rest) for rest in rests]
+    # the noise may still be that of another explanation: each beside its own tails
+    own = score_with_tails(weighing, found, -np.inf)
     supports = []
     for k, (size, rest) in enumerate(zip(sizes, rests, strict=True)):
         more, prior = in_its_place(weighing, found, k)
-        odds = found.score - _score_without(weighing, found, k) + more
+        odds = own - _score_without(weighing, found, k, own - _CERTAIN) + more
         supports.append(Support(odds, size, rest, prior=max(prior, 0.0)))
     return _with_shares(weighing, found, supports)
 
@@ -123,9 +125,9 @@ def _with_shares(
     return supports
 
 
-def _score_without(weighing: Weighing, found: Explanation, k: int) -> float:
+def _score_without(weighing: Weighing, found: Explanation, k: int, least: float) -> float:
     """Score without term k, beside the noise that this leaves: odd readings call for no effect."""
-    return score_with_tails(weighing, weighing.without(found, [k]), found.score - _CERTAIN)
+    return score_with_tails(weighing, weighing.without(found, [k]), least)
 
 
 def _looked_into(weighing: Weighing, rest_um: float) -> float:

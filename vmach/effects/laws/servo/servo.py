@@ -17,6 +17,8 @@ __all__ = [
 
 #: Z component of a floor's normal, at least
 _FLOOR = 0.99
+#: an axis that is slower than this stands; far below any feed, far above rounding
+_MOVES_MM_PER_S = 1e-6
 
 POLYLINE_SHARE = inner(
     "polyline_share",
@@ -87,6 +89,11 @@ class ServoMismatch(Effect):
         share = np.zeros(3)
         share[first], share[second] = 0.5, -0.5
         return 1e-3 * mismatch_ms * share * path.velocity_mm_per_s
+
+    def not_testable(self, path, target):
+        own = [LINEAR_AXES.index(axis) for axis in target]
+        together = np.all(np.abs(path.velocity_mm_per_s[:, own]) > _MOVES_MM_PER_S, axis=1)
+        return None if together.any() else f"{target[0]} and {target[1]} never move together"
 
 
 class CornerRounding(Effect):
