@@ -32,8 +32,8 @@ _TRIED = 3
 #: candidates that are tried beside an impossible size; chosen: on a part that was looked at the one
 #: that was missing came fourth
 _MORE = 6
-#: candidates that are tried plainly where nothing leads on; chosen: on a part that was looked at
-#: the one that was missing came eighth
+#: candidates that are tried plainly where nothing leads on, and pairs that are fitted; chosen: on a
+#: part that was looked at the one that was missing came eighth
 _MANY = 12
 #: log odds by which one may lie behind the effect whose place it takes; in none of a few hundred
 #: refits did one from further behind catch up
@@ -148,11 +148,12 @@ def _added(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
 
 def _added_of_many(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     """One effect more, of many: what the others then leave open may make up for what it costs."""
-    ranked = _ranked(weighing, weighing.gains(here, roughly=True), here.labels)[:_MANY]
-    plain = {k: weighing.extend(here, k, refine=False, resize=False).score for k in ranked}
-    for k in sorted(ranked, key=lambda k: -round(plain[k], _TIE))[:_TRIED]:
-        if plain[k] > here.score + _HOPELESS:
-            yield weighing.extend(here, k)
+    for start in _starts(here):
+        ranked = _ranked(weighing, weighing.gains(start, roughly=True), here.labels)[:_MANY]
+        plain = {k: weighing.extend(start, k, refine=False, resize=False).score for k in ranked}
+        for k in sorted(ranked, key=lambda k: -round(plain[k], _TIE))[:_TRIED]:
+            if plain[k] > start.score + _HOPELESS:
+                yield weighing.extend(start, k)
 
 
 def _uncovered(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
@@ -245,8 +246,15 @@ def _filled_up(
 
 
 def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
-    """Two effects in place of one that stands for both, found beside members as they are."""
-    least = here.score - _NEAR
+    """Two effects in place of one that stands for both, found beside members as they start."""
+    for start in _starts(here):
+        splits = (s for s in _splits(weighing, start) if s[0] > start.score - _NEAR)
+        for _, one, j in sorted(splits, key=lambda s: -round(s[0], _TIE))[:_MANY]:
+            yield weighing.extend(one, j)
+
+
+def _splits(weighing: Weighing, here: Explanation) -> Iterator[tuple[float, Explanation, int]]:
+    """Two effects in place of one: about which score, with the first of them, and the second."""
     for k in range(len(here.terms)):
         others = weighing.without(here, [k], resize=False)
         gains = weighing.gains(others, roughly=True)
@@ -258,8 +266,14 @@ def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
             further = weighing.gains(one, roughly=True)
             ranked = _ranked(weighing, further, here.labels | one.labels)
             for j in _unlike(weighing, one, ranked, _TRIED):
-                if one.score + further[j] > least:
-                    yield weighing.extend(one, j)
+                yield one.score + further[j], one, j
+
+
+def _starts(here: Explanation) -> Iterator[Explanation]:
+    """An explanation, and the same beside little of a large discrepancy, which may then grow."""
+    yield here
+    if (little := beside_little(here)).posterior.sizes != here.posterior.sizes:
+        yield little
 
 
 def _paired(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
