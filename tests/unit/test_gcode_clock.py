@@ -130,3 +130,14 @@ def test_a_move_without_speed_is_refused_by_the_clock():
     program = read_program(Source(b"M3 G0 Z5\nG33 Z-5 K1\nM2\n", "part.nc"))
     with pytest.raises(ProgramError, match=r"part\.nc:2: move with feed zero"):
         _ = program.moves
+
+
+def test_the_tapers_of_a_thread_take_as_many_turns_as_it_is_long():
+    """Z keeps the pitch while X moves too: two turns for a taper of 2 mm at a pitch of 1 mm."""
+    m = moves("G18 S600 M3\nG0 X20 Z0\nG76 P1 Z-20 I-2 J1.5 K3 E2 L3\nM2\n", rapid_mm_per_min=1e9)
+    moved = m.end_mm - m.start_mm
+    tapers = (np.abs(moved[:, 0]) == 3.0) & (np.abs(moved[:, 2]) == 2.0)
+    straight = (moved[:, 0] == 0.0) & (np.abs(moved[:, 2]) > 10.0) & (m.kind == MoveKind.LINE)
+    assert tapers.sum() > straight.sum() > 0
+    assert m.duration_s[tapers] == pytest.approx(np.full(tapers.sum(), 0.2))
+    assert m.duration_s[straight] == pytest.approx(np.abs(moved[straight, 2]) / 10.0)
