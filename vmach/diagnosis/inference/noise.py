@@ -69,8 +69,9 @@ def _without_odd(weighing: Weighing, found: Explanation) -> Explanation:
 def score_with_tails(weighing: Weighing, explanation: Explanation, least: float) -> float:
     """Score beside the tails that an explanation leaves; roughly where it is below the least."""
     score, away = explanation.score, np.abs(weighing.deletion_residuals(explanation))
-    # what is set aside brings no more than it costs now
-    if np.median(away) < ROUNDING or score + 0.5 * float(np.sum(away[away > _ODD] ** 2)) < least:
+    # what is set aside brings no more than it costs now, unless others are set aside already
+    most = 0.5 * float(np.sum(away[away > _ODD] ** 2)) if weighing.base.noise.is_plain else np.inf
+    if np.median(away) < ROUNDING or score + most < least:
         return score
     return score + _with_tails(weighing, explanation)[1]
 
