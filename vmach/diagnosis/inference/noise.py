@@ -26,8 +26,8 @@ def noise_before(weighing: Weighing) -> FeatureNoise:
 
     A sudden effect could take up one of them.
     """
-    weight, log_prior = _weights(weighing, weighing.nothing())
-    return replace(weighing.base.noise, weight=weight, log_prior=log_prior)
+    weight, log_prior, degrees = _weights(weighing, weighing.nothing())
+    return replace(weighing.base.noise, weight=weight, log_prior=log_prior, degrees=degrees)
 
 
 def noise_after(weighing: Weighing, explanation: Explanation) -> FeatureNoise | None:
@@ -82,10 +82,10 @@ def _with_tails(weighing: Weighing, explanation: Explanation) -> tuple[FeatureNo
     As assumed where they are the same, or the readings are no more probable with them.
     """
     noise = weighing.base.noise
-    weight, log_prior = _weights(weighing, explanation)
+    weight, log_prior, degrees = _weights(weighing, explanation)
     if np.abs(np.log(weight / noise.weight)).max() <= _OTHER:
         return noise, 0.0
-    tailed = replace(noise, weight=weight, log_prior=log_prior)
+    tailed = replace(noise, weight=weight, log_prior=log_prior, degrees=degrees)
     gain = _log_probability(weighing, explanation, tailed) - explanation.posterior.log_probability
     return (tailed, gain) if gain > 0.0 else (noise, 0.0)
 
@@ -97,7 +97,7 @@ def _log_probability(weighing: Weighing, explanation: Explanation, noise: Featur
     return best_sizes(base, explanation.posterior.sizes, effects).log_probability
 
 
-def _weights(weighing: Weighing, explanation: Explanation) -> tuple[np.ndarray, float]:
+def _weights(weighing: Weighing, explanation: Explanation) -> tuple[np.ndarray, float, float]:
     """Weight of every reading beside the tails that an explanation leaves, and what it costs."""
     return weights_of(weighing.deletion_residuals(explanation), weighing.survey.group)
 

@@ -370,10 +370,11 @@ class Weighing:
         return explanation
 
     def careful(self, explanation: Explanation) -> JointFit | None:
-        """The fit with what its laws leave open counted as uncertainty of the readings."""
+        """The fit with what laws and weights leave open counted as uncertainty of the readings."""
 
         def made() -> tuple[Explanation, JointFit | None]:
             fit, sizes = explanation.fit, explanation.posterior.sizes
+            sizes = replace(sizes, factor=sizes.factor * self.base.noise.widening)
             return explanation, careful_fit(self.base, fit, sizes) if fit else None
 
         return self._careful_fits.get(id(explanation), made)[1]

@@ -40,6 +40,8 @@ class FeatureNoise:
     log_prior : float
         Log probability of the weights, as far as the covariance does not state it: readings
         weighed otherwise are compared with it.
+    degrees : float
+        Of freedom of Student's t that the weights are of.
     """
 
     u_mm: np.ndarray
@@ -48,6 +50,18 @@ class FeatureNoise:
     share: float = 0.0
     correlation: float = 0.0
     log_prior: float = 0.0
+    degrees: float = np.inf
+
+    @property
+    def widening(self) -> float:
+        """Standard uncertainties of parameters, in those of readings with weights that are known.
+
+        Weights come from the same readings: these say (v + 1)/(v + 3) of what the weights let
+        them say, v the degrees of freedom.
+
+        Source: Lange, Little and Taylor (1989), the expected information of Student's t.
+        """
+        return float(np.sqrt(1.0 + 2.0 / (self.degrees + 1.0)))
 
     @property
     def is_plain(self) -> bool:

@@ -21,7 +21,7 @@ WORTH = 3.5
 ROUNDING = 1e-9
 
 
-def weights_of(left: np.ndarray, group: np.ndarray) -> tuple[np.ndarray, float]:
+def weights_of(left: np.ndarray, group: np.ndarray) -> tuple[np.ndarray, float, float]:
     """Weight of every reading as one of Student's t, whose tails the readings tell.
 
     Parameters
@@ -36,12 +36,14 @@ def weights_of(left: np.ndarray, group: np.ndarray) -> tuple[np.ndarray, float]:
     weight : (n,) float64
     float
         Their log probability beside the covariance.
+    float
+        Degrees of freedom; infinite where all weigh the same.
     """
     away = np.abs(left)
     if np.median(away) < ROUNDING:
-        return np.ones(len(away)), 0.0
+        return np.ones(len(away)), 0.0, np.inf
     normal = -0.5 * len(away) * (1.0 + np.log(2.0 * np.pi * np.mean(away**2)))
-    best, weight, log_prior = normal + WORTH, np.ones(len(away)), 0.0
+    best, found = normal + WORTH, (np.ones(len(away)), 0.0, np.inf)
     alone = np.minimum(away, apart_from_neighbours(left, group, few=apart_from_few(left, group)))
     for degrees in _TAILS:
         scale = np.median(away) / stdtrit(degrees, 0.75)
@@ -51,8 +53,8 @@ def weights_of(left: np.ndarray, group: np.ndarray) -> tuple[np.ndarray, float]:
         total = len(away) * log - 0.5 * (degrees + 1) * np.log1p(square).sum()
         if total > best:
             best, weight = total, (degrees + 1.0) / (degrees + (alone / scale) ** 2)
-            log_prior = log_prior_of_weights(weight, degrees)
-    return weight, log_prior
+            found = weight, log_prior_of_weights(weight, degrees), degrees
+    return found
 
 
 def log_prior_of_weights(weight: np.ndarray, degrees: float) -> float:
