@@ -111,7 +111,10 @@ class PathStates:
 
     @cached_property
     def velocity_mm_per_s(self) -> np.ndarray:
-        """Velocity of the nose, (P, 3); zero while standing, and at the ends of a rapid."""
+        """Velocity of the nose, (P, 3); zero while standing, and at the ends of a rapid.
+
+        What a rapid touches where it leaves a surface was made before it set off.
+        """
         duration = self.moves.duration_s[self.move]
         tangent = tangent_at(self.moves, self.move, self.parameter)
         at_an_end = (self.parameter <= 0.0) | (self.parameter >= 1.0)
