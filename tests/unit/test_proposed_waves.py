@@ -10,6 +10,7 @@ from vmach.diagnosis.proposals.held_out import held_out_um
 from vmach.diagnosis.proposals.states import DIRECTIONS
 from vmach.diagnosis.proposals.waves import _Wave, wave_states
 from vmach.diagnosis.residuals.job_survey import survey_job
+from vmach.fit.whitening import orthonormal
 
 ALONG_Y = DIRECTIONS[1]
 
@@ -51,11 +52,14 @@ def left_by_brute_force_um(survey, time, sensed, frequency):
 
 def test_gain_of_a_wave_is_what_least_squares_takes_off_beside_the_alignment(clustered):
     survey, left, time, sensed = clustered
-    wave = _Wave(survey, time, sensed[ALONG_Y], left)
+    scale = 1.0 / survey.u_mm
+    alignment = orthonormal(survey.nuisance * scale[:, None])
+    wave = _Wave(time, sensed[ALONG_Y] * scale[:, None], left * scale, alignment)
     _, alone = left_by_brute_force_um(survey, time, 0.0 * sensed[ALONG_Y], 0.0)
-    for period in (100.0, 173.0, 400.0):
+    periods = np.array([100.0, 173.0, 400.0])
+    for period, gain in zip(periods, wave.gains(1.0 / periods), strict=True):
         _, rest = left_by_brute_force_um(survey, time, sensed[ALONG_Y], 1.0 / period)
-        assert wave.gain(1.0 / period) == pytest.approx(alone - rest, rel=1e-6)
+        assert gain == pytest.approx(alone - rest, rel=1e-6)
 
 
 def test_the_period_is_that_of_least_squares_where_readings_have_gaps(clustered):
