@@ -224,8 +224,9 @@ def _peaks(wave: _Wave, argument: _Argument) -> list[float]:
     cell = max(argument.shortest / _CELLS, wave.span * _FINER / _MOST)
     place = np.rint((wave.along - wave.along.min()) / cell).astype(int)
     count = next_fast_len(int(_FINER * (place.max() + 1)), real=True)
-    rasters = [np.bincount(place, one) for one in (wave.left[:, None] * wave.sensed).T]
-    power = np.sum([np.abs(rfft(raster.astype(np.float32), count)) ** 2 for raster in rasters], axis=0)
+    weights = (wave.left[:, None] * wave.sensed).T
+    rasters = (np.bincount(place, one).astype(np.float32) for one in weights)
+    power = np.sum([np.abs(rfft(raster, count)) ** 2 for raster in rasters], axis=0)
     frequency = np.arange(len(power)) / (count * cell)
     lowest = max(_LEAST_TURNS / wave.span, 1.0 / argument.longest)
     power[(frequency < lowest) | (frequency > 1.0 / (cell * _CELLS))] = 0.0
