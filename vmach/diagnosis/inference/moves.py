@@ -32,9 +32,12 @@ _TRIED = 3
 #: candidates that are tried beside an impossible size; chosen: on a part that was looked at the one
 #: that was missing came fourth
 _MORE = 6
-#: candidates that are tried plainly where nothing leads on, and pairs that are fitted; chosen: on a
-#: part that was looked at the one that was missing came eighth
+#: candidates that are tried plainly where nothing leads on; chosen: on a part that was looked at
+#: the one that was missing came eighth
 _MANY = 12
+#: pairs that are fitted in the place of one effect; of twelve that helped each was among the first
+#: three
+_PAIRS = 6
 #: log odds by which one may lie behind the effect whose place it takes; in none of a few hundred
 #: refits did one from further behind catch up
 _NEAR = 6.0
@@ -49,6 +52,8 @@ _SHARE = 0.25
 _SAME = 0.98
 #: decimals of a score; beyond them rounding would choose among tools that cannot be told apart
 _TIE = 5
+#: effects at most that fill a discrepancy; with twelve 99 searches that were looked at ended alike
+_FILLED = 6
 #: a move counts where it makes the whole more probable by this much
 _STEP = 0.5
 #: log odds of a candidate below which it is not worth a fit; chosen: a fit moves little but its
@@ -214,7 +219,7 @@ def _filled(weighing: Weighing, here: Explanation, moves: Sequence[_Move]) -> Ex
     if sizes == here.posterior.sizes:
         return here
     start = weighing.explain(here.terms, sizes, refine=False, resize=False)
-    *_, last = start, *_filled_up(weighing, start, here.labels, _MOVES)
+    *_, last = start, *_filled_up(weighing, start, here.labels, _FILLED)
     if last is start:
         return here
     filled = without_needless(weighing, weighing.explain(last.terms, sizes))
@@ -249,7 +254,7 @@ def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     """Two effects in place of one that stands for both, found beside members as they start."""
     for start in _starts(here):
         splits = (s for s in _splits(weighing, start) if s[0] > start.score - _NEAR)
-        for _, one, j in sorted(splits, key=lambda s: -round(s[0], _TIE))[:_MANY]:
+        for _, one, j in sorted(splits, key=lambda s: -round(s[0], _TIE))[:_PAIRS]:
             yield weighing.extend(one, j)
 
 

@@ -48,7 +48,7 @@ class _Argument:
     """What a wave may go along: words for it, code, and the range of its period.
 
     `kind` is that of the state, `height` code of how high the wave is. The words take the
-    ``period`` and its inverse, ``hertz``.
+    ``period`` and its inverse, ``hertz``. A quick one is nothing that a smooth discrepancy takes.
     """
 
     kind: str
@@ -58,6 +58,7 @@ class _Argument:
     longest: float = np.inf
     directions: tuple[Direction, ...] = DIRECTIONS
     height: str = "np.ones(len(path))"
+    is_quick: bool = False
 
     def of(self, survey: Survey, code: str) -> np.ndarray:
         """What code says of each reading, (n,)."""
@@ -73,7 +74,7 @@ def _along_axis(k: int, axis: str) -> Iterator[_Argument]:
     position = f"path.nose_mm[:, {k}]"
     kind, words = f"wave in {axis}", f"a wave of {{period:.4g}} mm in {axis}"
     yield _Argument(kind, words, position, 1.0)
-    yield _Argument(kind, words, position, 0.02, 1.0, (DIRECTIONS[k],))
+    yield _Argument(kind, words, position, 0.02, 1.0, (DIRECTIONS[k],), is_quick=True)
 
 
 def _after_reversal(k: int, axis: str) -> Iterator[_Argument]:
@@ -87,6 +88,7 @@ def _after_reversal(k: int, axis: str) -> Iterator[_Argument]:
             0.02,
             directions=(DIRECTIONS[k],),
             height=f"path.play_side[:, {k}] * np.exp(-{since} / {fade:g})",
+            is_quick=True,
         )
 
 
@@ -111,7 +113,11 @@ _ARGUMENTS = (
 
 
 def wave_states(
-    survey: Survey, left_mm: np.ndarray, sensed: dict[Direction, np.ndarray]
+    survey: Survey,
+    left_mm: np.ndarray,
+    sensed: dict[Direction, np.ndarray],
+    *,
+    with_quick: bool = True,
 ) -> Iterator[tuple[State, Direction]]:
     """Sine and cosine of the most conspicuous periods, with the direction they show in.
 
@@ -122,10 +128,14 @@ def wave_states(
         What is not explained.
     sensed : mapping of Direction to (n, D) float64
         How readings sense a unit displacement.
+    with_quick : bool
+        Whether waves of an encoder and ringing are sought as well.
     """
     scale = 1.0 / survey.u_mm
     alignment = orthonormal((survey.nuisance * scale[:, None])[_spread(len(survey))])
     for argument in _ARGUMENTS:
+        if argument.is_quick and not with_quick:
+            continue
         along, height = (argument.of(survey, code) for code in (argument.code, argument.height))
         span = float(np.ptp(along))
         if span < 2.0 * argument.shortest:
@@ -204,7 +214,8 @@ class _Wave:
             [np.concatenate(row, axis=2) for row in ((ss, sc), (sc, cc))], axis=1
         )
         linear = np.concatenate([sine, cosine]) @ self._beside
-        linear = np.concatenate(linear.reshape(2, count, directions, -1), axis=1)
+        linear = linear.reshape(2, count, directions, 1 + len(self._aligned))
+        linear = np.concatenate(linear, axis=1)
         aligned = linear[:, :, 1:]
         products -= aligned @ aligned.transpose(0, 2, 1)
         moments = linear[:, :, 0] - aligned @ self._aligned
@@ -226,7 +237,8 @@ def _peaks(wave: _Wave, argument: _Argument) -> list[float]:
     count = next_fast_len(int(_FINER * (place.max() + 1)), real=True)
     weights = (wave.left[:, None] * wave.sensed).T
     rasters = (np.bincount(place, one).astype(np.float32) for one in weights)
-    power = np.sum([np.abs(rfft(raster, count)) ** 2 for raster in rasters], axis=0)
+    heights = [np.abs(rfft(raster, count)) for raster in rasters]
+    power = np.sum(np.square(heights, dtype=np.float64), axis=0)
     frequency = np.arange(len(power)) / (count * cell)
     lowest = max(_LEAST_TURNS / wave.span, 1.0 / argument.longest)
     power[(frequency < lowest) | (frequency > 1.0 / (cell * _CELLS))] = 0.0
