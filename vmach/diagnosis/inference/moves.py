@@ -35,8 +35,7 @@ _MORE = 6
 #: candidates that are tried plainly where nothing leads on; chosen: on a part that was looked at
 #: the one that was missing came eighth
 _MANY = 12
-#: pairs that are fitted in the place of one effect; of twelve that helped each was among the first
-#: three
+#: pairs that are fitted in the place of one effect; twelve that helped were among the first three
 _PAIRS = 6
 #: log odds by which one may lie behind the effect whose place it takes; in none of a few hundred
 #: refits did one from further behind catch up

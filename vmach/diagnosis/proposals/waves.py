@@ -37,7 +37,7 @@ _PEAKS = 2
 #: a wave has to go round that often, else it is a trend
 _LEAST_TURNS = 1.5
 #: steps to the frequency of least squares, in cells of the periodogram; the last one turns a wave
-#: by 1/64 over the whole way.
+#: by 1/64 over the whole way
 _STEPS = (1.0, 0.25, 0.0625)
 #: what readings see of a wave that little beside the alignment, of squares, is rounding
 _RCOND = 1e-9
@@ -183,7 +183,7 @@ class _Wave:
         self._aligned = alignment.T @ left[rows]
 
     def refined(self, frequencies: np.ndarray) -> np.ndarray:
-        """The frequencies of least squares next to F, uphill in steps that are halved, (F,).
+        """The frequencies of least squares next to F, uphill in ever smaller steps, (F,).
 
         To a sixteenth of a cell of the periodogram, so that what is found again is known.
         """
@@ -203,6 +203,13 @@ class _Wave:
 
     def gains(self, frequencies: np.ndarray) -> np.ndarray:
         """Sum of squares that each of F waves explains beside the alignment, (F,)."""
+        products, moments = self._normal_equations(frequencies)
+        least = _RCOND * np.trace(products, axis1=1, axis2=2)[:, None, None]
+        products += np.maximum(least, 1e-300) * np.eye(products.shape[1])
+        return np.sum(moments * np.linalg.solve(products, moments[:, :, None])[:, :, 0], axis=1)
+
+    def _normal_equations(self, frequencies: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Of sine and cosine beside the alignment, (F, 2 D, 2 D) and (F, 2 D)."""
         count, directions = len(frequencies), self.sensed.shape[1]
         # of a part of a turn single precision is enough, and ten times as fast
         turns = np.multiply.outer(frequencies, self._along)
@@ -210,18 +217,12 @@ class _Wave:
         sine, cosine = np.sin(angle).astype(np.float64), np.cos(angle).astype(np.float64)
         pairs = np.concatenate([sine * sine, sine * cosine, cosine * cosine]) @ self._squares
         ss, sc, cc = pairs.reshape(3, count, directions, directions)
-        products = np.concatenate(
-            [np.concatenate(row, axis=2) for row in ((ss, sc), (sc, cc))], axis=1
-        )
-        linear = np.concatenate([sine, cosine]) @ self._beside
-        linear = linear.reshape(2, count, directions, 1 + len(self._aligned))
-        linear = np.concatenate(linear, axis=1)
-        aligned = linear[:, :, 1:]
-        products -= aligned @ aligned.transpose(0, 2, 1)
-        moments = linear[:, :, 0] - aligned @ self._aligned
-        least = _RCOND * np.trace(products, axis1=1, axis2=2)[:, None, None]
-        products += np.maximum(least, 1e-300) * np.eye(2 * directions)
-        return np.sum(moments * np.linalg.solve(products, moments[:, :, None])[:, :, 0], axis=1)
+        rows = [np.concatenate(row, axis=2) for row in ((ss, sc), (sc, cc))]
+        beside = np.concatenate([sine, cosine]) @ self._beside
+        beside = beside.reshape(2, count, directions, 1 + len(self._aligned))
+        seen, aligned = np.split(np.concatenate(beside, axis=1), [1], axis=2)
+        products = np.concatenate(rows, axis=1) - aligned @ aligned.transpose(0, 2, 1)
+        return products, seen[:, :, 0] - aligned @ self._aligned
 
 
 def _leading(wave: _Wave, argument: _Argument) -> np.ndarray:
