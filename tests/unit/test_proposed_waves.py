@@ -62,6 +62,15 @@ def test_gain_of_a_wave_is_what_least_squares_takes_off_beside_the_alignment(clu
         assert gain == pytest.approx(alone - rest, rel=1e-6)
 
 
+def test_a_wave_that_the_alignment_takes_up_explains_nothing():
+    along, left = np.linspace(0.0, 100.0, 40), np.sin(np.arange(40.0))
+    turn = 2 * np.pi * 0.05 * along
+    alignment = orthonormal(np.column_stack([np.sin(turn), np.cos(turn)]))
+    for sensed in (np.ones((40, 1)), np.full((40, 1), 1e-200), np.zeros((40, 1))):
+        gains = _Wave(along, sensed, left, alignment).gains(np.array([0.05, 0.05]))
+        assert np.abs(gains).max() < 1e-3 * (left @ left)
+
+
 def test_the_period_is_that_of_least_squares_where_readings_have_gaps(clustered):
     survey, left, time, sensed = clustered
     found = [state for state, direction in wave_states(survey, left, sensed)

@@ -39,7 +39,7 @@ _LEAST_TURNS = 1.5
 #: steps to the frequency of least squares, in cells of the periodogram; the last one turns a wave
 #: by 1/64 over the whole way
 _STEPS = (1.0, 0.25, 0.0625)
-#: what readings see of a wave that little beside the alignment, of squares, is rounding
+#: share of a wave's squares; what readings see beside the alignment below that is rounding
 _RCOND = 1e-9
 
 
@@ -204,8 +204,6 @@ class _Wave:
     def gains(self, frequencies: np.ndarray) -> np.ndarray:
         """Sum of squares that each of F waves explains beside the alignment, (F,)."""
         products, moments = self._normal_equations(frequencies)
-        least = _RCOND * np.trace(products, axis1=1, axis2=2)[:, None, None]
-        products += np.maximum(least, 1e-300) * np.eye(products.shape[1])
         return np.sum(moments * np.linalg.solve(products, moments[:, :, None])[:, :, 0], axis=1)
 
     def _normal_equations(self, frequencies: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -221,7 +219,10 @@ class _Wave:
         beside = np.concatenate([sine, cosine]) @ self._beside
         beside = beside.reshape(2, count, directions, 1 + len(self._aligned))
         seen, aligned = np.split(np.concatenate(beside, axis=1), [1], axis=2)
-        products = np.concatenate(rows, axis=1) - aligned @ aligned.transpose(0, 2, 1)
+        products = np.concatenate(rows, axis=1)
+        least = _RCOND * np.trace(products, axis1=1, axis2=2)[:, None, None]
+        products += np.maximum(least, 1e-300) * np.eye(2 * directions)
+        products -= aligned @ aligned.transpose(0, 2, 1)
         return products, seen[:, :, 0] - aligned @ self._aligned
 
 
