@@ -103,7 +103,7 @@ class FormColumns:
         left_mm : (n,) float64
             What effects leave of the readings: spots, stretches and slow waves are smooth.
         rest_mm : (n,) float64
-            What no discrepancy takes of that: quick waves are not.
+            What no discrepancy takes of that: waves of high frequency are not.
         """
         asked = left_mm.tobytes() + rest_mm.tobytes()
         if asked in self._looked_at:  # what shows is on the list
@@ -112,7 +112,7 @@ class FormColumns:
         tools = [(s, value[:, 0]) for s, value in self._states.items() if s.kind == "tool"]
         found = [
             *wave_states(self._survey, rest_mm, self._sensed),
-            *wave_states(self._survey, left_mm, self._sensed, with_quick=False),
+            *wave_states(self._survey, left_mm, self._sensed, with_high_frequency=False),
             *self._spots.states(left_mm),
         ]
         forms = [Form(CONSTANT, *one) for one in found]

@@ -39,7 +39,8 @@ _LEAST_TURNS = 1.5
 #: steps to the frequency of least squares, in cells of the periodogram; the last one turns a wave
 #: by 1/64 over the whole way
 _STEPS = (1.0, 0.25, 0.0625)
-#: share of a wave's squares; what readings see beside the alignment below that is rounding
+#: share of a wave's squares; what readings see beside the alignment below that is rounding: the
+#: square of single precision, 1e-14, with room for few readings
 _RCOND = 1e-9
 
 
@@ -48,7 +49,7 @@ class _Argument:
     """What a wave may go along: words for it, code, and the range of its period.
 
     `kind` is that of the state, `height` code of how high the wave is. The words take the
-    ``period`` and its inverse, ``hertz``. A quick one is nothing that a smooth discrepancy takes.
+    ``period`` and its inverse, ``hertz``. A smooth discrepancy takes nothing of high frequencies.
     """
 
     kind: str
@@ -58,7 +59,7 @@ class _Argument:
     longest: float = np.inf
     directions: tuple[Direction, ...] = DIRECTIONS
     height: str = "np.ones(len(path))"
-    is_quick: bool = False
+    is_high_frequency: bool = False
 
     def of(self, survey: Survey, code: str) -> np.ndarray:
         """What code says of each reading, (n,)."""
@@ -74,7 +75,7 @@ def _along_axis(k: int, axis: str) -> Iterator[_Argument]:
     position = f"path.nose_mm[:, {k}]"
     kind, words = f"wave in {axis}", f"a wave of {{period:.4g}} mm in {axis}"
     yield _Argument(kind, words, position, 1.0)
-    yield _Argument(kind, words, position, 0.02, 1.0, (DIRECTIONS[k],), is_quick=True)
+    yield _Argument(kind, words, position, 0.02, 1.0, (DIRECTIONS[k],), is_high_frequency=True)
 
 
 def _after_reversal(k: int, axis: str) -> Iterator[_Argument]:
@@ -88,7 +89,7 @@ def _after_reversal(k: int, axis: str) -> Iterator[_Argument]:
             0.02,
             directions=(DIRECTIONS[k],),
             height=f"path.play_side[:, {k}] * np.exp(-{since} / {fade:g})",
-            is_quick=True,
+            is_high_frequency=True,
         )
 
 
@@ -117,7 +118,7 @@ def wave_states(
     left_mm: np.ndarray,
     sensed: dict[Direction, np.ndarray],
     *,
-    with_quick: bool = True,
+    with_high_frequency: bool = True,
 ) -> Iterator[tuple[State, Direction]]:
     """Sine and cosine of the most conspicuous periods, with the direction they show in.
 
@@ -128,13 +129,13 @@ def wave_states(
         What is not explained.
     sensed : mapping of Direction to (n, D) float64
         How readings sense a unit displacement.
-    with_quick : bool
+    with_high_frequency : bool
         Whether waves of an encoder and ringing are sought as well.
     """
     scale = 1.0 / survey.u_mm
     alignment = orthonormal((survey.nuisance * scale[:, None])[_spread(len(survey))])
     for argument in _ARGUMENTS:
-        if argument.is_quick and not with_quick:
+        if argument.is_high_frequency and not with_high_frequency:
             continue
         along, height = (argument.of(survey, code) for code in (argument.code, argument.height))
         span = float(np.ptp(along))
