@@ -15,8 +15,9 @@ The rules, as strict as physics allows:
   either tool may be named.
 * Causes that act through one and the same table are answered by that table: their sum is its error,
   and no measurement tells them apart.
-* A class is right if it holds the true name, if its leader or a rival points at the same target
-  where the names agree, and if it has at most `MOST_IN_CLASS` members: `vague` otherwise.
+* A class is right if it holds the true name, or another that is true of these points, if its leader
+  or a rival points at the same target, and if it has at most `MOST_IN_CLASS` members: `vague`
+  otherwise.
 * The report tells sets of effects that are as probable as what it found: two in the place of one,
   or one in the place of two. Where such a set is the truth, the truth is in the class.
 * Something accused besides what is true: `extra`.
@@ -130,7 +131,8 @@ def _answer(entry: dict, effect: dict) -> str:
         return "missed"
     # led by the right name at the wrong target it would be wrong, unless that target is a rival
     in_class = effect["name"] in entry["class"] and entry["effect"] != effect["name"]
-    in_class |= f"{effect['name']} {effect['target']}" in entry.get("rivals", ())
+    true_names = {f"{effect['name']} {effect['target']}", *effect["accept"]}
+    in_class |= not true_names.isdisjoint(entry.get("rivals", ()))
     if not _means(entry, effect) and not in_class:
         return "missed"
     members = {entry["effect"], *entry["class"]}

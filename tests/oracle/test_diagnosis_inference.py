@@ -9,7 +9,7 @@ from scipy.linalg import null_space
 from scipy.stats import multivariate_normal, norm
 
 from tests.unit.test_diagnosis_verdicts import stretched_and_loose, tip_job
-from vmach.diagnosis.gates.sizes_above_zero import log_factor_of_sizes
+from vmach.diagnosis.gates.parameters_in_bounds import log_factor_of_bounds
 from vmach.diagnosis.inference.other_sets import otherwise
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.verdicts import infer
@@ -340,8 +340,8 @@ def test_sizes_are_weighed_by_half_a_normal_distribution(weighing, sign):
     sizes = Sizes(1.4, (0.5,) * len(members.names))
     posterior = Posterior(base, sizes, Effects(base.columns(column)))
     size = SimpleNamespace(is_size=True)
-    term = SimpleNamespace(effect=SimpleNamespace(amplitudes=(size,)))
-    ours = log_factor_of_sizes(
+    term = SimpleNamespace(effect=SimpleNamespace(amplitudes=(size,)), free_parameters=())
+    ours = log_factor_of_bounds(
         SimpleNamespace(terms=(term,), coefficients=(np.ones(1),)), posterior
     )
     free = null_space(survey.nuisance.T)
@@ -352,6 +352,41 @@ def test_sizes_are_weighed_by_half_a_normal_distribution(weighing, sign):
     density = np.exp(log - log.max())
     share = np.trapezoid(density[amount >= 0.0]) / np.trapezoid(density)
     assert ours == pytest.approx(np.log(2.0 * share), abs=2e-3)
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.5, 4.0), (1.9, 2.1), (2.0, 60.0), (0.01, 2.0)])
+def test_inner_parameters_are_weighed_between_their_bounds(weighing, low, high):
+    """Against a sum over amplitude and inner parameter, of readings by dense covariances."""
+    survey, members = weighing.survey, weighing.members
+    base = Base(survey, FeatureNoise(survey.u_mm, survey.group, np.ones(len(survey))), members)
+    columns = [
+        weighing.candidates[weighing.index_of(label)].signatures_mm[:, 0].astype(float)
+        for label in ("backlash X", "scale X")
+    ]
+    columns = np.hstack(columns) * [0.2, 0.002]
+    sizes, spread, usual, here = Sizes(1.4, (0.5,) * len(members.names)), 0.7, 1.5, 2.0
+    posterior = Posterior(base, sizes, Effects(base.columns(columns)))
+    inner = SimpleNamespace(name="way_mm", low=low, high=high, usual=usual, spread=spread)
+    effect = SimpleNamespace(amplitudes=(SimpleNamespace(is_size=False),))
+    term = SimpleNamespace(effect=effect, free_parameters=(inner,), inner={"way_mm": here})
+    ours = log_factor_of_bounds(
+        SimpleNamespace(terms=(term,), coefficients=(np.ones(1),)), posterior
+    )
+    free = null_space(survey.nuisance.T)
+    dense = free.T @ dense_covariance(base.noise, members, sizes, 0.0 * columns) @ free
+    white = np.linalg.solve(np.linalg.cholesky(dense), free.T @ np.c_[survey.residual_mm, columns])
+    amounts = np.linspace(-8.0, 8.0, 2001)
+    both = np.stack(np.meshgrid(amounts, amounts, indexing="ij"))
+    left = white[:, :1].T @ white[:, :1] - 2.0 * np.tensordot(white[:, 1:].T @ white[:, 0], both, 1)
+    gram = white[:, 1:].T @ white[:, 1:]
+    left = left + np.einsum("kij,kl,lij->ij", both, gram, both)
+    log = -0.5 * (left + np.sum(both**2, axis=0))
+    of_inner = np.exp(log - log.max()).sum(axis=0)
+    place = np.log(here) + spread * amounts
+    within = (place > np.log(low)) & (place < np.log(high))
+    before = np.diff(norm.cdf(np.log([low, high]), np.log(usual), spread))[0]
+    share = of_inner[within].sum() / of_inner.sum()
+    assert ours == pytest.approx(np.log(share / before), abs=0.02)
 
 
 def test_sizes_that_rounding_hides_are_told_in_one_message():

@@ -123,11 +123,18 @@ class _Problem:
         return _Problem(self.posterior, terms)
 
     def gains_of(self, term: Term, places: Sequence[Mapping[str, float]]) -> np.ndarray:
-        """Half of what a further term at each of some places (G,) takes off the sum of squares."""
+        """Half of what a further term at each of some places (G,) takes off the sum of squares.
+
+        What is a size does not go below zero.
+        """
         beside = self._as_noise
         gram, seen = beside.products_at(beside.base.places(term.effect, term.target, places))
         gram += np.eye(gram.shape[1]) / FREE**2
-        return 0.5 * (seen * np.linalg.solve(gram, seen[:, :, None])[:, :, 0]).sum(axis=1)
+        found = np.linalg.solve(gram, seen[:, :, None])[:, :, 0]
+        stays = ~(np.array([p.is_size for p in term.effect.amplitudes]) & (found < 0.0))
+        both, seen = stays[:, :, None] & stays[:, None, :], np.where(stays, seen, 0.0)
+        found = np.linalg.solve(np.where(both, gram, np.eye(len(stays.T))), seen[:, :, None])
+        return 0.5 * (seen * found[:, :, 0]).sum(axis=1)
 
     @property
     def _as_noise(self) -> Posterior:

@@ -68,6 +68,19 @@ class Survey:
         measurements = tuple(m.made_beside(others) for m in self.measurements)
         return replace(self, measurements=measurements)
 
+    def foretold_mm(self, acting: Sequence[EffectInstance]) -> np.ndarray:
+        """What the model and effects foretell of the readings, (n,)."""
+        total = np.concatenate([m.predicted_mm for m in self.measurements])
+        for effect in acting:
+            parts = [
+                m.sensed(effect.at(path, effect.parameters)[:, :, None])[:, 0]
+                if effect.effect.shows_on(m.seen_states)
+                else np.zeros(len(m))
+                for path, m in zip(self.seen_paths, self.measurements, strict=True)
+            ]
+            total += np.concatenate(parts)
+        return total
+
     @property
     def notes(self) -> tuple[Note, ...]:
         """What was noticed of the job and the measurements when they were read."""

@@ -268,7 +268,8 @@ def _splits(weighing: Weighing, here: Explanation) -> Iterator[tuple[float, Expl
                 break
             one = weighing.extend(others, i, refine=False, resize=False)
             further = weighing.gains(one, roughly=True)
-            ranked = _ranked(weighing, further, here.labels | one.labels)
+            # what was there may be another of the two, elsewhere than where it stood for both
+            ranked = _ranked(weighing, further, others.labels | one.labels)
             for j in _unlike(weighing, one, ranked, _TRIED):
                 yield one.score + further[j], one, j
 

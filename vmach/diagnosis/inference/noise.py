@@ -105,7 +105,7 @@ def _weights(weighing: Weighing, explanation: Explanation) -> tuple[np.ndarray, 
 def _correlated(weighing: Weighing, explanation: Explanation, noise: FeatureNoise) -> FeatureNoise:
     """The noise with the correlation along features that makes the readings most probable."""
     left = weighing.base.noise.standardised(explanation.posterior.left)
-    pairs = [_lagged(left, weighing.survey.group, lag) for lag in (1, 2)]
+    pairs = [noise.autocorrelation(left, lag) for lag in (1, 2)]
     if noise.share == 0.0 and pairs[0] * np.sqrt(len(left)) < 3.0:
         return noise
     low, high = _CORRELATIONS
@@ -136,14 +136,3 @@ def _correlated(weighing: Weighing, explanation: Explanation, noise: FeatureNois
 def _moved(share: float, step: float, low: float, high: float) -> float:
     odds = np.log(share / (1.0 - share)) + 2.0 * step
     return float(np.clip(1.0 / (1.0 + np.exp(-odds)), low, high))
-
-
-def _lagged(left: np.ndarray, group: np.ndarray, lag: int) -> float:
-    """Autocorrelation of readings that follow each other in a feature."""
-    _, number = np.unique(group, return_inverse=True)
-    order = np.argsort(number, kind="stable")
-    value, number = left[order], number[order]
-    same = number[lag:] == number[:-lag]
-    if not same.any():
-        return 0.0
-    return float(np.mean((value[lag:] * value[:-lag])[same]) / np.mean(value**2))

@@ -130,19 +130,5 @@ def _without_and_with(base: Base, candidate: Candidate, sizes: Sizes) -> tuple[f
 
 def _differ(survey: Survey, moved: Survey, acting: Sequence[EffectInstance]) -> bool:
     """Whether other contacts notably change what model and effects foretell."""
-    change = _foretold_mm(moved, acting) - _foretold_mm(survey, acting)
+    change = moved.foretold_mm(acting) - survey.foretold_mm(acting)
     return bool(np.any(np.abs(change) > _NOTABLE * survey.u_mm))
-
-
-def _foretold_mm(survey: Survey, acting: Sequence[EffectInstance]) -> np.ndarray:
-    """What model and effects foretell of the readings, (n,)."""
-    total = np.concatenate([m.predicted_mm for m in survey.measurements])
-    for effect in acting:
-        parts = [
-            m.sensed(effect.at(path, effect.parameters)[:, :, None])[:, 0]
-            if effect.effect.shows_on(m.seen_states)
-            else np.zeros(len(m))
-            for path, m in zip(survey.seen_paths, survey.measurements, strict=True)
-        ]
-        total += np.concatenate(parts)
-    return total

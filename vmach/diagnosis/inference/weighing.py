@@ -13,7 +13,7 @@ from scipy.special import gammaln
 
 from vmach.base.memory import give_back_free_memory
 from vmach.diagnosis.gates.absorbing import stated_slack
-from vmach.diagnosis.gates.sizes_above_zero import log_factor_of_sizes
+from vmach.diagnosis.gates.parameters_in_bounds import log_factor_of_bounds
 from vmach.diagnosis.inference.bank import Bank
 from vmach.diagnosis.inference.careful_fit import careful_fit
 from vmach.diagnosis.inference.rules import UNMEASURED
@@ -63,10 +63,8 @@ class Explanation:
     @cached_property
     def score(self) -> float:
         """Log probability of readings, set and sizes, up to what all sets share."""
-        probability = self.posterior.log_probability
-        return (
-            probability + log_factor_of_sizes(self.fit, self.posterior) if self.fit else probability
-        )
+        within = log_factor_of_bounds(self.fit, self.posterior) if self.fit else 0.0
+        return self.posterior.log_probability + within
 
     @property
     def terms(self) -> tuple[Term, ...]:

@@ -100,6 +100,16 @@ class FeatureNoise:
         back = self._along.back(white[:, None])[:, 0] * self.u_mm
         return np.sqrt(1.0 - self.share) / self.weight * back
 
+    def autocorrelation(self, left: np.ndarray, lag: int) -> float:
+        """Of what is left (n,) of readings that follow each other in a feature."""
+        _, number = np.unique(self.group, return_inverse=True)
+        order = np.argsort(number, kind="stable")
+        value, number = left[order], number[order]
+        same = number[lag:] == number[:-lag]
+        if not same.any():
+            return 0.0
+        return float(np.mean((value[lag:] * value[:-lag])[same]) / np.mean(value**2))
+
     @cached_property
     def precisions(self) -> np.ndarray:
         """Of every reading, given all others: the diagonal of the inverse, in units of u, (n,)."""
