@@ -5,7 +5,7 @@
 
 Experiments of known and foreign causes, and of both, are drawn with every kind of noise, on seeds
 that nothing else uses. Every effect that is judged, beside the forms that were found, gives a row:
-whether it is true, its log odds, its size, what remains and its share of both. `CLEARLY` of
+whether it is true, its log odds, its size, what remains and its share of both. `SHOWN` of
 `vmach/diagnosis/inference/rules.py` is compared with how often effects of such odds are there.
 `IMITATION` is fitted to those that leave something; the sizes of the discrepancy give its prior in
 `vmach/fit/sizes.py`. Cases whose rows are in the file are not run again.
@@ -36,7 +36,7 @@ from tests.hidden_effects.part import PartDesign
 from tests.hidden_effects.verdict import is_answer
 from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.prepare import prepare_weighing
-from vmach.diagnosis.inference.rules import CLEARLY, IMITATION
+from vmach.diagnosis.inference.rules import CLEARLY, IMITATION, SHOWN
 from vmach.diagnosis.inference.support import Support, supports_of
 from vmach.diagnosis.inference.verdicts import beside_forms, searched
 from vmach.diagnosis.proposals.forms import Forms
@@ -100,21 +100,27 @@ def rows_of(kind: str, noise: str, seed: int) -> Iterator[dict]:
 
 
 def print_odds(rows: list[dict]) -> None:
-    """Print how many of the effects of some log odds are there."""
+    """Print how many of the effects of some log odds are there, and of those that pass all else."""
     rows = [row for row in rows if row["effect"]]
-    odds = np.array([float(row["odds"]) for row in rows])
+    supports = [_support(row) for row in rows]
+    odds = np.array([support.odds for support in supports])
     is_true = np.array([row["is_true"] == "1" for row in rows])
-    print("log odds: effects, of which there")
-    for low, high in pairwise((-np.inf, 0.0, 3.0, CLEARLY, 7.0, 12.0, np.inf)):
+    passes = np.array([support.probability >= 0.5 for support in supports])
+    print("log odds: effects, of which there; effects that are no imitations, of which there")
+    for low, high in pairwise((-np.inf, 0.0, 2.0, 3.0, SHOWN, CLEARLY, 7.0, 12.0, np.inf)):
         own = (odds >= low) & (odds < high)
-        print(f"{low:5.1f} to {high:4.1f}: {own.sum():4d} {is_true[own].sum():4d}")
+        counts = (group.sum() for some in (own, own & passes) for group in (some, some & is_true))
+        print(f"{low:5.2f} to {high:5.2f}:", *(f"{count:4d}" for count in counts))
+
+
+def _support(row: dict) -> Support:
+    return Support(*(float(row[c]) for c in ("odds", "size_um", "rest_um", "share")))
 
 
 def print_fit(rows: list[dict]) -> None:
     """Print the most likely `IMITATION`, and what others would say of the rows."""
-    rows = [row for row in rows if row["effect"] and float(row["odds"]) >= CLEARLY]
-    columns = ("odds", "size_um", "rest_um", "share")
-    supports = [Support(*(float(row[c]) for c in columns)) for row in rows]
+    rows = [row for row in rows if row["effect"] and float(row["odds"]) >= SHOWN]
+    supports = [_support(row) for row in rows]
     is_true = np.array([row["is_true"] == "1" for row in rows])
     leaves = np.array([s.rest_um > 0.0 for s in supports])
     ratio = np.array([s.size_um * s.share / max(s.rest_um, 1e-9) for s in supports])

@@ -625,7 +625,7 @@ def test_a_curve_that_a_part_alone_shows_has_no_level():
 @pytest.mark.parametrize(
     ("support", "said"),
     [
-        (Support(3.96, 3.8, 0.0), "log odds 4.0, less than 4.6"),
+        (Support(2.96, 3.8, 0.0), "log odds 3.0, less than 3.45"),
         # a rest of half its size is even odds, one of its size 1 to 4
         (Support(11.3, 1.0, 1.0), "log odds 11.3, but to 80 % an imitation of something else"),
     ],

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from vmach.diagnosis.inference.rules import CLEARLY
+from vmach.diagnosis.inference.rules import SHOWN
 from vmach.diagnosis.inference.verdicts import Reason, Weak
 from vmach.diagnosis.residuals import Residuals
 from vmach.effects import Effect
@@ -68,8 +68,8 @@ def weak_words(weak: Weak) -> str:
     support = weak.support
     if weak.why is not Reason.DOUBTFUL:
         return str(weak.why)
-    if support.odds < CLEARLY:
-        return f"log odds {max(support.odds, 0.0):.1f}, less than {CLEARLY:g}"
+    if support.odds < SHOWN:
+        return f"log odds {max(support.odds, 0.0):.1f}, less than {SHOWN:g}"
     imitation = 100.0 * (1.0 - support.probability)
     return f"log odds {support.odds:.1f}, but to {imitation:.0f} % an imitation of something else"
 

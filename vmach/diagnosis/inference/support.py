@@ -20,12 +20,12 @@ from vmach.diagnosis.inference.remains import (
     usual_u_um,
     where_they_act_um,
 )
-from vmach.diagnosis.inference.rules import CLEARLY, IMITATION, WORTH_A_FORM
+from vmach.diagnosis.inference.rules import IMITATION, SHOWN, WORTH_A_FORM
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 
 __all__ = ["Support", "in_its_place", "supports_of"]
 
-#: log odds beyond which it does not matter how many they are; chosen, far beyond `CLEARLY`
+#: log odds beyond which it does not matter how many they are; chosen, far beyond `SHOWN`
 _CERTAIN = 20.0
 #: share of an effect below which what remains beside it does not matter: that of the smallest
 #: effect beside the largest
@@ -68,12 +68,12 @@ class Support:
     @property
     def is_shown(self) -> bool:
         """Whether readings clearly speak for it, and it is probably no imitation."""
-        return self.odds >= CLEARLY and self.probability >= 0.5
+        return self.odds >= SHOWN and self.probability >= 0.5
 
     @property
     def order(self) -> tuple[bool, float]:
         """Smaller the less it is to be believed; first what a rival beside it makes needless."""
-        return self.odds >= CLEARLY, self.probability * float(expit(self.odds))
+        return self.odds >= SHOWN, self.probability * float(expit(self.odds))
 
     def after(self, before: Support) -> Support:
         """The same as it was judged beside others, which are gone: what they did is no rest."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vmach.diagnosis.inference.rules import CLEARLY
+from vmach.diagnosis.inference.rules import SHOWN
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.words import with_unit
 from vmach.effects import Effect, label_of
@@ -79,7 +79,7 @@ def blind_spots(
         for effect, target, reason in weighing.excluded
     ]
     # one amplitude that is z standard uncertainties large has an evidence of about z^2 / 2
-    needed_z = float(np.sqrt(2.0 * (CLEARLY + np.log(len(weighing.candidates)) + _FREEDOM)))
+    needed_z = float(np.sqrt(2.0 * (SHOWN + np.log(len(weighing.candidates)) + _FREEDOM)))
     weighed = zip(
         weighing.candidates,
         weighing.evidence(explanation).information,
