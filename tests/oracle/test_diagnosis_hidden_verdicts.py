@@ -215,6 +215,15 @@ def test_what_the_laws_leave_open_never_makes_the_fit_worse(tmp_path, hidden, se
             "correlated",
             PartDesign(),
         ),
+        # a loop that would build up over metres stands for lost motion and a shift
+        (
+            ["backlash", "drifted_table", "hysteresis", "datum_shift"],
+            43004004,
+            "white",
+            PartDesign(corners=True),
+        ),
+        # a chip stands for a slip and a chip at another moment
+        (["spindle_growth", "tool_slip", "tool_chip"], 49023007, "correlated", PartDesign()),
     ],
 )
 def test_sets_that_no_single_exchange_leads_to_are_found(tmp_path, effects, seed, noise, design):
