@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import lsq_linear
 
 from vmach.effects import Effect
 from vmach.effects.parameter import inner, linear
 from vmach.fit.base import Base
+from vmach.fit.joint_fit import taken_off
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.noise.discrepancy import Members
 from vmach.fit.noise.feature_noise import FeatureNoise
@@ -93,3 +95,18 @@ def test_products_at_all_moments_are_those_of_the_covariance_matrix(share, corre
         columns = survey.signature(None, "", moment)
         assert gram[k] == pytest.approx(columns.T @ precision @ columns, rel=1e-8)
         assert seen[k] == pytest.approx(columns.T @ precision @ survey.residual_mm, rel=1e-8)
+
+
+@pytest.mark.parametrize("is_size", [(True,), (False,), (True, True), (True, False)])
+def test_sizes_above_zero_take_off_what_bounded_least_squares_does(is_size):
+    """Against scipy's least squares with bounds, place by place."""
+    rng, count = np.random.default_rng(5), len(is_size)
+    columns, readings = rng.normal(size=(200, 12, count)), rng.normal(size=(200, 12))
+    columns[..., -1] += 2.0 * columns[..., 0]  # so alike that each takes what is the other's
+    gram = columns.transpose(0, 2, 1) @ columns
+    seen = (columns.transpose(0, 2, 1) @ readings[:, :, None])[:, :, 0]
+    ours = taken_off(gram, seen, np.array(is_size))
+    low = np.where(is_size, 0.0, -np.inf)
+    for own, y, half in zip(columns, readings, ours, strict=True):
+        left = lsq_linear(own, y, (low, np.inf), tol=1e-14).cost
+        assert half == pytest.approx(0.5 * y @ y - left, abs=1e-7)

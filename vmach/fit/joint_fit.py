@@ -21,7 +21,7 @@ from vmach.fit.columns import Columns
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.terms import FREE, JointFit, Term
 
-__all__ = ["fit_terms"]
+__all__ = ["fit_terms", "taken_off"]
 
 #: step of logarithms in a derivative
 _STEP = 1e-5
@@ -123,18 +123,11 @@ class _Problem:
         return _Problem(self.posterior, terms)
 
     def gains_of(self, term: Term, places: Sequence[Mapping[str, float]]) -> np.ndarray:
-        """Half of what a further term at each of some places (G,) takes off the sum of squares.
-
-        What is a size does not go below zero.
-        """
+        """Half of what a further term at each of some places (G,) takes off the sum of squares."""
         beside = self._as_noise
         gram, seen = beside.products_at(beside.base.places(term.effect, term.target, places))
         gram += np.eye(gram.shape[1]) / FREE**2
-        found = np.linalg.solve(gram, seen[:, :, None])[:, :, 0]
-        stays = ~(np.array([p.is_size for p in term.effect.amplitudes]) & (found < 0.0))
-        both, seen = stays[:, :, None] & stays[:, None, :], np.where(stays, seen, 0.0)
-        found = np.linalg.solve(np.where(both, gram, np.eye(len(stays.T))), seen[:, :, None])
-        return 0.5 * (seen * found[:, :, 0]).sum(axis=1)
+        return taken_off(gram, seen, np.array([p.is_size for p in term.effect.amplitudes]))
 
     @property
     def _as_noise(self) -> Posterior:
@@ -249,3 +242,26 @@ def _stretches(counts: Sequence[int], *, start: int = 0) -> list[slice]:
     """Stretches of so many each, one behind the other."""
     ends = np.cumsum([start, *counts]).tolist()
     return [slice(*both) for both in itertools.pairwise(ends)]
+
+
+def taken_off(gram: np.ndarray, seen: np.ndarray, is_size: np.ndarray) -> np.ndarray:
+    """Half of what K coefficients at each of G places take off a sum of squares, (G,).
+
+    Those that are sizes stay at zero where they would go below: exact for one and two.
+
+    Parameters
+    ----------
+    gram : (G, K, K) float64
+        Products of the signatures with each other, with the precision of the prior.
+    seen : (G, K) float64
+        With the readings.
+    is_size : (K,) bool
+    """
+    stays = np.ones(seen.shape, dtype=bool)
+    while True:
+        both, aim = stays[:, :, None] & stays[:, None, :], np.where(stays, seen, 0.0)
+        amount = np.linalg.solve(np.where(both, gram, np.eye(len(is_size))), aim[:, :, None])
+        below = is_size & (amount[:, :, 0] < 0.0)
+        if not below.any():
+            return 0.5 * (aim * amount[:, :, 0]).sum(axis=1)
+        stays &= ~below

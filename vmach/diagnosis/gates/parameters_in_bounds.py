@@ -15,6 +15,7 @@ from vmach.fit.terms import JointFit
 
 __all__ = ["log_factor_of_bounds"]
 
+#: ends of a parameter without bounds
 _NONE = (-np.inf, np.inf)
 
 
@@ -32,7 +33,8 @@ def log_factor_of_bounds(fit: JointFit, posterior: Posterior) -> float:
     ends = []
     for term, own in zip(fit.terms, fit.coefficients, strict=True):
         sizes = [(0.0, np.inf) if p.is_size else _NONE for p in term.effect.amplitudes]
-        ends += [*sizes, *[_NONE] * len(own)][: len(own)]
+        # a curve has more coefficients than amplitudes
+        ends += sizes + [_NONE] * (len(own) - len(sizes))
     before = list(ends)
     for term in fit.terms:
         for p in term.free_parameters:
