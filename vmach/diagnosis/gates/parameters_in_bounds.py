@@ -33,8 +33,8 @@ def log_factor_of_bounds(fit: JointFit, posterior: Posterior) -> float:
     ends = []
     for term, own in zip(fit.terms, fit.coefficients, strict=True):
         sizes = [(0.0, np.inf) if p.is_size else _NONE for p in term.effect.amplitudes]
-        # a curve has more coefficients than amplitudes
-        ends += sizes + [_NONE] * (len(own) - len(sizes))
+        # a curve has more coefficients than amplitudes, a drift of one axis fewer
+        ends += (sizes + [_NONE] * len(own))[: len(own)]
     before = list(ends)
     for term in fit.terms:
         for p in term.free_parameters:
