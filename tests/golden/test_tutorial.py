@@ -44,5 +44,5 @@ def test_the_effect_found_has_the_size_that_the_page_tells(tmp_path):
     run = CliRunner().invoke(app, ["diagnose", str(ROOT / "samples" / "missing_effect")])
     assert run.exit_code == 0, run.exception
     assert told in run.stdout
-    (blind,) = re.findall(r"squareness B0Z: .*", page)
-    assert blind in run.stdout
+    blind = re.findall(r"(?:scale Z|servo_lag): below .*", page)
+    assert len(blind) == 2 and all(line in run.stdout for line in blind)
