@@ -109,4 +109,5 @@ def test_sizes_above_zero_take_off_what_bounded_least_squares_does(is_size):
     low = np.where(is_size, 0.0, -np.inf)
     for own, y, half in zip(columns, readings, ours, strict=True):
         left = lsq_linear(own, y, (low, np.inf), tol=1e-14).cost
+        # scipy goes to the bounds in steps, and stops near them
         assert half == pytest.approx(0.5 * y @ y - left, abs=1e-7)
