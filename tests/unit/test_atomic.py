@@ -13,7 +13,7 @@ import pytest
 
 from tests.report_case import points, run
 from vmach.errors import InputError
-from vmach.files import workplace
+from vmach.files import workplace, written_files
 from vmach.files.atomic import atomic_file, atomic_folder, check_folder, check_outputs
 from vmach.files.together import together
 from vmach.files.written_files import FILES_LIST, RESULTS_LIST, files_in
@@ -322,7 +322,7 @@ with together():
             (folder / "page.html").write_text(text)
     for name in ("rename", "replace", "link", "unlink", "rmdir"):
         setattr(os, name, dies(getattr(os, name)))
-    from vmach.files import workplace
+    from vmach.files import workplace, written_files
     workplace._exchange_at_once = dies(workplace._exchange_at_once)
 """
 
@@ -405,6 +405,29 @@ def test_runs_at_once_leave_the_results_of_one(tmp_path):
     assert len({place.read_text() for place in places}) == 1
     check_outputs(places[:2])  # all are known
     check_folder(tmp_path / "out", ["third"])
+
+
+def test_a_result_that_two_runs_replace_while_it_is_read_is_known(tmp_path, monkeypatch):
+    """The second of them forgets what the first replaced; the reader has that in its hands."""
+    result = tmp_path / "x.csv"
+    write(result, "old")
+    digest_of = written_files._sum
+
+    def read_slowly(path):
+        digest = digest_of(path)
+        if path.read_text() == "old":
+            with monkeypatch.context() as others:
+                others.setattr(written_files, "_sum", digest_of)
+                write(result, "first")
+                write(result, "second")
+        return digest
+
+    monkeypatch.setattr(written_files, "_sum", read_slowly)
+    check_outputs([result])
+    assert result.read_text() == "second"
+    result.write_text("a user's")
+    with pytest.raises(InputError, match="vmach did not write it"):
+        check_outputs([result])
 
 
 def test_nobody_begins_to_work_in_a_folder_that_is_cleared(tmp_path, monkeypatch):

@@ -47,14 +47,24 @@ def is_written(path: Path, *, results: Path | None = None) -> bool:
     results : Path, optional
         Folder of results that the file lies in, at whatever depth.
     """
-    if path.is_dir() or not _noted(path, results):
-        return False
-    try:
-        digest = _sum(path)
-    except FileNotFoundError:  # another run is about to put its own there
-        return True
-    # asked again: another run may have put its own there meanwhile, noted before
-    return digest in _noted(path, results)
+    while not path.is_dir() and _noted(path, results):
+        try:
+            before = _identity(path)
+            digest = _sum(path)
+            # asked after it was read: another run notes its own before it puts it there
+            if digest in _noted(path, results):
+                return True
+            if _identity(path) == before:
+                return False
+        except FileNotFoundError:  # another run is about to put its own there
+            return True
+    return False
+
+
+def _identity(path: Path) -> tuple[int, int, int]:
+    """Differs after another file took this place, and after this one was changed."""
+    of = path.stat()
+    return of.st_ino, of.st_ctime_ns, of.st_size
 
 
 def _noted(path: Path, results: Path | None) -> set[str]:
