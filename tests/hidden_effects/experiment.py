@@ -158,8 +158,7 @@ def _draw(
         hidden = [_draw_one(rng, kind, machine, state=state, part=part) for kind in kinds]
         if None in hidden:
             return None
-        shares = [share_um(h, part, state, machine) for h in hidden]
-        if len(hidden) < 2 or least_own_um(shares, part) > LEAST_OWN_UM:
+        if len(hidden) < 2 or least_own_um(hidden, part, state, machine) > LEAST_OWN_UM:
             return hidden
     return None
 

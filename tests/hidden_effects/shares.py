@@ -112,12 +112,27 @@ def visible_um(deviation: np.ndarray, part: Part) -> float:
     return _left_um(deviation, alignment_columns(part))
 
 
-def least_own_um(shares: list[np.ndarray], part: Part) -> float:
-    """The smallest RMS that an effect shows beyond the alignment and the other effects, um."""
+def least_own_um(hidden: list[Hidden], part: Part, state: State, machine: TrueMachine) -> float:
+    """The smallest RMS that an effect shows beyond the alignment and the other effects, um.
+
+    The others with whatever amounts they might have.
+    """
+    spans = [_span_um(h, part, state, machine) for h in hidden]
     return min(
-        _left_um(own, np.column_stack([alignment_columns(part), *shares[:k], *shares[k + 1 :]]))
-        for k, own in enumerate(shares)
+        _left_um(
+            share_um(h, part, state, machine),
+            np.column_stack([alignment_columns(part), *spans[:k], *spans[k + 1 :]]),
+        )
+        for k, h in enumerate(hidden)
     )
+
+
+def _span_um(hidden: Hidden, part: Part, state: State, machine: TrueMachine) -> np.ndarray:
+    """What an effect does, one column for each of its amounts where they are told, (N, K)."""
+    moves = hidden.amounts or (hidden.displacement_mm,)
+    ones = [replace(hidden, displacement_mm=move) for move in moves]
+    return np.column_stack([share_um(one, part, state, machine) for one in ones])
+
 
 
 def _left_um(deviation: np.ndarray, columns: np.ndarray) -> float:

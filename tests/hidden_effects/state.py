@@ -28,6 +28,7 @@ class Hidden:
     missing : tables that were never measured
     misplaced : reading -> what the record adds to the place of the reflector, mm
     target : axis or component where there is one
+    amounts : what one of each of its amounts does, state -> (M, 3); empty where all go together
     shows_as : state of the measured points -> further names that are true of just these points
     told_as : state of the measured points -> what these points show instead; empty: this effect
     twins : names that no measurement of this kind can tell from it: naming one alone is too much
@@ -49,6 +50,7 @@ class Hidden:
     on_part_only: bool = False
     twins: tuple[str, ...] = ()
     another_day: Callable[[State], np.ndarray] | None = None
+    amounts: tuple[Callable[[State], np.ndarray], ...] = ()
     shows_as: Callable[[State], tuple[str, ...]] = lambda state: ()
     told_as: Callable[[State], tuple[Hidden, ...]] = lambda state: ()
 

@@ -10,12 +10,14 @@ from tests.hidden_effects.experiment import (
     make_experiment,
 )
 from tests.hidden_effects.machine_maker import CHAINS, random_machine
+from tests.hidden_effects.nature_clamping import datum_shift, fixture
 from tests.hidden_effects.nature_motion import backlash
-from tests.hidden_effects.part import random_part
-from tests.hidden_effects.shares import visible_um
+from tests.hidden_effects.part import PartDesign, random_part
+from tests.hidden_effects.shares import least_own_um, visible_um
 from tests.hidden_effects.state import state_of
 
 MOTION = {"rapid_mm_min": 20000.0, "tool_change_s": 8.0}
+DESIGN = PartDesign(two_set_ups=True)
 
 
 def arms(chain, nose, contact):
@@ -64,6 +66,21 @@ def test_backlash_moves_a_bore_by_half_the_play_towards_where_the_axis_came_from
     clear &= state.since_reversal_mm[:, axis] > 0.3
     lag = hidden.displacement_mm(state)[clear, axis] * np.sign(state.velocity_mm_s[clear, axis])
     np.testing.assert_allclose(lag, -0.5e-3 * hidden.comparable["reversal_um"], rtol=1e-6)
+
+
+def test_a_slip_between_two_clampings_is_how_the_second_one_stands():
+    rng = np.random.default_rng(11)
+    machine = random_machine(rng)
+    part = random_part(rng, machine.travel_mm, motion=MOTION, design=DESIGN)
+    state, second = state_of(part), fixture(rng, machine)
+    slips = [datum_shift(rng, machine) for _ in range(40)]
+    own = [least_own_um([slip, second], part, state, machine) for slip in slips]
+    as_second = [slip.shows_as(state) == ("fixture",) for slip in slips]
+    assert 0 < sum(as_second) < 40
+    assert [one < 1e-6 for one in own] == as_second
+    size = slips[0].parameters["shift_um"]
+    parts = [n * one(state) for n, one in zip(size, slips[0].amounts, strict=True)]
+    np.testing.assert_allclose(np.sum(parts, axis=0), slips[0].displacement_mm(state), atol=1e-12)
 
 
 def test_contacts_lie_on_the_path_and_touch_their_points():
