@@ -134,7 +134,6 @@ def _span_um(hidden: Hidden, part: Part, state: State, machine: TrueMachine) -> 
     return np.column_stack([share_um(one, part, state, machine) for one in ones])
 
 
-
 def _left_um(deviation: np.ndarray, columns: np.ndarray) -> float:
     fit = np.linalg.lstsq(columns, deviation, rcond=None)[0]
     return float(np.sqrt(np.mean((deviation - columns @ fit) ** 2)))
