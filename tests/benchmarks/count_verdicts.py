@@ -5,7 +5,8 @@
 Every kind of noise and every number of hidden effects gets its cases, most of them with white
 noise, with which the other kinds are compared. Rows are written as they come; cases in the file
 are not run again. Several processes share the cases by `--part`, each with a file of its own;
-`--rows` may be given again, to print one table of all.
+`--rows` may be given again, to print one table of all. `--group "one effect" --cases 252` runs so
+many of one group with white noise, its kinds in turn.
 """
 
 from __future__ import annotations
@@ -64,6 +65,12 @@ def cases(first_seed: int) -> list[tuple[str, str, int]]:
     unknown = (*FOREIGN_KINDS, *BESIDE, "none")
     halves = [(k, seed) for k, noise, seed in mixed if noise == "u_half" and k not in unknown]
     return mixed + [(kind, "loud", seed) for kind, seed in halves]
+
+
+def cases_of(group: str, count: int, first_seed: int) -> list[tuple[str, str, int]]:
+    """The same of one group with white noise, its kinds in turn."""
+    kinds, *_ = GROUPS[group]
+    return [(kinds[k % len(kinds)], "white", first_seed + k) for k in range(count)]
 
 
 def print_table(rows: list[dict]) -> None:
@@ -179,11 +186,16 @@ def main() -> None:
     parser.add_argument("--rows", type=Path, required=True, action="append")
     parser.add_argument("--seed", type=int, default=960_000)
     parser.add_argument("--part", default="1/1", help="which of how many parts of the cases")
+    parser.add_argument("--group", choices=GROUPS, help="only cases of this group, white noise")
+    parser.add_argument("--cases", type=int, default=100, help="how many, with --group")
     parser.add_argument("--table", action="store_true", help="only print the table of the files")
     args = parser.parse_args()
     path, part, of = args.rows[0], *map(int, args.part.split("/"))
     done = {(row["kind"], row["noise"], int(row["seed"])) for row in read_rows(path)}
-    for kind, noise, seed in [] if args.table else cases(args.seed)[part - 1 :: of]:
+    every = cases(args.seed)
+    if args.group:
+        every = cases_of(args.group, args.cases, args.seed)
+    for kind, noise, seed in [] if args.table else every[part - 1 :: of]:
         if (kind, noise, seed) not in done:
             folder = path.with_suffix("")
             settings = Namespace(

@@ -433,6 +433,14 @@ def test_what_remains_elsewhere_is_no_doubt_about_a_local_effect(tmp_path):
     assert ("quadrant_glitch", "X") in {(e["effect"], e["target"]) for e in report["effects"]}
 
 
+def test_a_chip_that_a_slip_stood_beside_moves_to_its_own_moment(tmp_path):
+    """A slip and an earlier chip do most of what one chip does at the moment of the slip."""
+    design = PartDesign(two_set_ups=True)
+    make_experiment(tmp_path, effects=["tool_chip"], seed=55500100, design=design)
+    report, _ = program_runs.diagnose(tmp_path)
+    assert [(e["effect"], e["target"]) for e in report["effects"]] == [("tool_chip", "T1")]
+
+
 @pytest.mark.parametrize(
     ("effects", "seed", "noise", "design"),
     [

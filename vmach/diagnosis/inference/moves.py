@@ -172,12 +172,17 @@ def _uncovered(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
 
 
 def _afresh(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
-    """An effect as it would be chosen beside the others: it was chosen before they were there."""
+    """One effect as it would be chosen beside the others, or the others as they are without it.
+
+    It was chosen before they were there, and they were fitted while it was.
+    """
     for k, term in enumerate(here.terms):
         others = weighing.without(here, [k], resize=False)
         own = weighing.term(weighing.index_of(term.label), others)
         if (own.width, own.inner) != (term.width, term.inner):
             yield weighing.explain([*others.terms, own], here.posterior.sizes)
+        if any(other.inner for other in others.terms):
+            yield weighing.explain(others.terms, here.posterior.sizes)
 
 
 def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:

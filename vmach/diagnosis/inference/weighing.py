@@ -309,7 +309,7 @@ class Weighing:
     def _sized(
         self, fit: JointFit, slack: Columns | None, sizes: Sizes, *, resize: bool
     ) -> Explanation:
-        shown = self._open(fit)
+        shown = fit.open.scaled(self.prior_widths(fit))
         log_prior = self._log_prior_of(fit)
         if slack is not None:
             shown = shown.beside(slack.scaled(np.full(len(slack), fit.slack_scale)))
@@ -327,10 +327,6 @@ class Weighing:
             return fit, self.base.columns(slack) if slack.shape[1] else None
 
         return self._slacks.get(id(fit), made)[1]
-
-    def _open(self, fit: JointFit) -> Columns:
-        """Columns of unit prior variance of amplitudes and inner parameters of a fit."""
-        return fit.open.scaled(self.prior_widths(fit))
 
     def prior_widths(self, fit: JointFit) -> np.ndarray:
         """Prior deviations of all amplitudes, then of all inner parameters, of a fit."""
