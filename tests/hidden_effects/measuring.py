@@ -10,11 +10,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-__all__ = ["NOISES", "PEERS", "measuring_error_um", "stated_um"]
+__all__ = ["FROM_POINT_TO_POINT", "NOISES", "PEERS", "measuring_error_um", "stated_um"]
 
 #: share of the variance that all points of a feature have in common
 _COMMON = 0.36
-_FROM_POINT_TO_POINT = 0.7
+FROM_POINT_TO_POINT = 0.7
 _TAIL_DEGREES = 3.0
 #: error of the measuring machine itself, within a + L/b = 1.5 um + L/350
 _SCALE_UM_PER_M, _SQUARENESS_URAD = 2.0, 2.0
@@ -49,8 +49,8 @@ def correlated(rng, feature, place_mm, normal):
     error = rng.normal(size=len(feature))
     for k in range(1, len(error)):
         if feature[k] == feature[k - 1]:
-            error[k] = _FROM_POINT_TO_POINT * error[k - 1] + error[k] * np.sqrt(
-                1.0 - _FROM_POINT_TO_POINT**2
+            error[k] = FROM_POINT_TO_POINT * error[k - 1] + error[k] * np.sqrt(
+                1.0 - FROM_POINT_TO_POINT**2
             )
     return error
 
