@@ -34,7 +34,7 @@ from vmach.diagnosis.inference.weighing import Weighing
 from vmach.fit.survey import Survey
 
 NOISE = "correlated"
-#: of the variance that is correlated; all of it leaves no noise of a single reading
+#: of the variance that is correlated: the most that the estimate may take; the generator has all
 _SHARE = 0.98
 
 

@@ -192,9 +192,8 @@ def main() -> None:
     args = parser.parse_args()
     path, part, of = args.rows[0], *map(int, args.part.split("/"))
     done = {(row["kind"], row["noise"], int(row["seed"])) for row in read_rows(path)}
-    every = cases(args.seed)
-    if args.group:
-        every = cases_of(args.group, args.cases, args.seed)
+    group = args.group
+    every = cases_of(group, args.cases, args.seed) if group else cases(args.seed)
     for kind, noise, seed in [] if args.table else every[part - 1 :: of]:
         if (kind, noise, seed) not in done:
             folder = path.with_suffix("")

@@ -322,7 +322,7 @@ with together():
             (folder / "page.html").write_text(text)
     for name in ("rename", "replace", "link", "unlink", "rmdir"):
         setattr(os, name, dies(getattr(os, name)))
-    from vmach.files import workplace, written_files
+    from vmach.files import workplace
     workplace._exchange_at_once = dies(workplace._exchange_at_once)
 """
 
