@@ -1,5 +1,6 @@
 """Turns, bends and curves that a form may go into, against closed forms and hidden causes."""
 
+import pathlib
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,9 +9,13 @@ import pytest
 from tests.unit.test_diagnosis_verdicts import tip_job
 from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.proposals.effect_text import effect_text
+from vmach.diagnosis.proposals.form_columns import FormColumns
 from vmach.diagnosis.proposals.states import bend_about, curve_in
+from vmach.diagnosis.report import as_json, as_text
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects import catalogue, load_effect_file
+
+SAMPLE = pathlib.Path(__file__).parents[2] / "samples" / "missing_effect"
 
 
 class Path(SimpleNamespace):
@@ -56,6 +61,27 @@ def test_a_skew_at_each_reversal_is_a_turn(tmp_path):
     assert first.form.formula == "direction of X, as a turn about Z"
     assert first.form.state_words == ("direction of X", "X in 100 mm", "Y in 100 mm")
     assert first.held_out_um[1] < 0.7  # the noise is 0.5 um
+    # 20 urad, times the arms and where they start
+    hidden = {
+        "along Y per 100 mm in X": 0.0, "along X per 100 mm in Y": -2.0,
+        "along X": -1.0, "along Y": 1.0,
+    }  # fmt: skip
+    for name, of in first.of_each.items():
+        assert abs(first.amounts_um[name] - hidden[of]) < 4.0 * first.u_um[name], of
+    clear = {first.of_each[name] for name in first.clear_amounts}
+    assert clear == hidden.keys() - {"along Y per 100 mm in X"}
+    said = as_text(found)
+    assert "): along X per 100 mm in Y" in said and ": along Y per 100 mm in X" not in said
+    assert [one["of"] for one in as_json(found)["proposals"][0]["each"]] == [*hidden]
+    assert '"along X per 100 mm in Y", usual=' in effect_text(first, name="skewing")
+
+
+def test_every_amount_of_every_form_is_said_in_words_of_its_own():
+    survey = survey_job(SAMPLE / "job.toml")
+    columns = FormColumns(survey)
+    columns.add_conspicuous(*np.random.default_rng(3).normal(0.0, 1e-3, (2, len(survey))))
+    for form in columns.forms:
+        assert len(set(form.each)) == columns.columns(form).shape[1], form.formula
 
 
 def worn(q, side, time):

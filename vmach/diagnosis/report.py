@@ -75,20 +75,24 @@ def _weak(weak: Weak) -> dict[str, Any]:
     }
 
 
-def _proposal(proposal: Proposal) -> dict[str, Any]:
-    without, with_it = proposal.held_out_um
+def _proposal(p: Proposal) -> dict[str, Any]:
+    without, with_it = p.held_out_um
     return {
-        "formula": proposal.form.formula,
-        "states": list(proposal.form.state_words),
-        "direction": proposal.form.direction.words,
-        "amount_um": _rounded(proposal.amount_um),
-        "u_um": _rounded(proposal.amount_u_um),
-        "amounts": len(proposal.amounts_um),
-        "size_um": round(proposal.size_um, 3),
-        "evidence": round(proposal.odds, 2),
-        "remains_um": round(proposal.remains_um, 3),
+        "formula": p.form.formula,
+        "states": list(p.form.state_words),
+        "direction": p.form.direction.words,
+        "amount_um": _rounded(p.amount_um),
+        "u_um": _rounded(p.amount_u_um),
+        "amounts": len(p.amounts_um),
+        "each": [
+            {"of": of, "amount_um": _rounded(p.amounts_um[n]), "u_um": _rounded(p.u_um[n])}
+            for n, of in p.of_each.items()
+        ],
+        "size_um": round(p.size_um, 3),
+        "evidence": round(p.odds, 2),
+        "remains_um": round(p.remains_um, 3),
         "held_out_um": {"without": round(without, 3), "with": round(with_it, 3)},
-        "refuted_by": proposal.form.refute,
+        "refuted_by": p.form.refute,
     }
 
 
@@ -143,6 +147,7 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
             f"  form {number}: {p.words}; log odds {p.odds:.0f}, "
             f"features held out {without:.2f} -> {with_it:.2f} um"
         )
+        lines += _amount_lines(p)
         lines.append(f"    to refute it: {p.form.refute}")
     lines += [
         f"  weak: {w.term.label}: {weak_words(w)}; not counted as present" for w in found.weak
@@ -174,6 +179,16 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
             lines.append(f"  program: {program}")
     lines += [f"note: {note}" for note in found.notes]
     return "\n".join(lines)
+
+
+def _amount_lines(proposal: Proposal) -> list[str]:
+    """Those of several amounts that are clear, as parameters of an effect are said."""
+    lines = []
+    for name in proposal.clear_amounts:
+        value, u = proposal.amounts_um[name], proposal.u_um[name]
+        said = rounded(value, (value - 2.0 * u, value + 2.0 * u))[0]
+        lines.append(f"    {name} = {said}  (u = {u:.2g}): {proposal.of_each[name]}")
+    return lines
 
 
 def words_of_add(found: Diagnosis) -> str:

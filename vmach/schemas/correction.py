@@ -126,6 +126,15 @@ class _HeldOut(Output):
     with_it: float = Field(alias="with")
 
 
+class _Amount(Output):
+    """One of several amounts of a form."""
+
+    of: str
+    """What it is the amount of, as ``along Y per 100 mm in X``."""
+    amount_um: float
+    u_um: float
+
+
 class _Proposal(Output):
     """A form for what no effect explains."""
 
@@ -137,6 +146,8 @@ class _Proposal(Output):
     """Standard uncertainty of the amount."""
     amounts: int
     """How many amounts the form has; of several `amount_um` is the root of the sum of squares."""
+    each: list[_Amount]
+    """Every one of several; empty where there is one."""
     size_um: float
     """RMS of what it does to the readings."""
     evidence: float

@@ -8,6 +8,8 @@ from vmach.diagnosis.proposals.states import CONSTANT
 
 __all__ = ["effect_text"]
 
+#: what a single amount is of
+_ONE = "displacement per unit of its states"
 _TEXT = '''"""Proposed for what no effect of the catalogue explains.
 
 {formula}
@@ -56,8 +58,8 @@ def effect_text(proposal: Proposal, *, name: str) -> str:
         size=_size(proposal),
         odds=proposal.odds,
         parameters="\n".join(
-            f'        linear("{n}", "displacement per unit of its states", usual={USUAL_UM}),'
-            for n in proposal.amounts_um
+            f'        linear("{name}", "{of or _ONE}", usual={USUAL_UM}),'
+            for name, of in zip(proposal.amounts_um, form.each, strict=True)
         ),
         needs_surface=form.needs_surface,
         refute=form.refute,

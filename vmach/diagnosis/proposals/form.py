@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import cache
 
@@ -55,6 +56,12 @@ class Form:
     def state_words(self) -> tuple[str, ...]:
         """States and places that it depends on."""
         return (*(state.words for state in self.states), *self.direction.lever)
+
+    @property
+    def each(self) -> tuple[str, ...]:
+        """Of several amounts, what each is of, in words."""
+        every = itertools.product(self.direction.each, self.first.each, self.second.each)
+        return tuple(", ".join(filter(None, words)) for words in every)
 
     @property
     def refute(self) -> str:

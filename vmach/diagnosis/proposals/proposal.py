@@ -59,6 +59,18 @@ class Proposal:
         return f"{amount} x {self.form.formula}: {done}"
 
     @property
+    def of_each(self) -> dict[str, str]:
+        """What each of several amounts is of, by its name; empty where there is one."""
+        if len(self.amounts_um) == 1:
+            return {}
+        return dict(zip(self.amounts_um, self.form.each, strict=True))
+
+    @property
+    def clear_amounts(self) -> list[str]:
+        """Names of those of several amounts that are not zero, by 95 % intervals (GUM, 6.3.3)."""
+        return [n for n in self.of_each if abs(self.amounts_um[n]) > 2.0 * self.u_um[n]]
+
+    @property
     def amount_u_um(self) -> float:
         """Its standard uncertainty, of several the largest."""
         return max(self.u_um.values())

@@ -50,12 +50,15 @@ class State:
         Python for its value from `path`, a `Circumstances`: (P,), or (P, C).
     looked_at : float
         How many like it were tried before this one was put on the list.
+    each : tuple of str
+        Of several numbers, what each is, in words.
     """
 
     kind: str
     words: str
     code: str
     looked_at: float = 1.0
+    each: tuple[str, ...] = ("",)
 
     @property
     def needs_surface(self) -> bool:
@@ -87,12 +90,15 @@ class Direction:
         Whether only a machined surface has it.
     lever : tuple of str
         Places that its length depends on, in words.
+    each : tuple of str
+        Of several, what each is, in words.
     """
 
     words: str
     code: str
     needs_surface: bool
     lever: tuple[str, ...] = ()
+    each: tuple[str, ...] = ("",)
 
     def at(self, path: Circumstances) -> np.ndarray:
         """Directions, (P, 3, D)."""
@@ -124,7 +130,10 @@ DIRECTIONS = (
 
 #: each with an amount of its own
 ALL_AXES = Direction(
-    "along X, Y and Z", "np.eye(3) * np.ones((len(path), 1, 1))", needs_surface=False
+    "along X, Y and Z",
+    "np.eye(3) * np.ones((len(path), 1, 1))",
+    needs_surface=False,
+    each=tuple(f"along {axis}" for axis in LINEAR_AXES),
 )
 
 
@@ -142,12 +151,16 @@ def _turn(k: int) -> Direction:
     Which arm follows the axes depends on the machine, so each has an amount of its own.
     """
     i, j = _others(k)
+    arms = ((i, j), (j, i))
     moved = [
-        *(f"np.outer(0.01 * path.nose_mm[:, {a}], np.eye(3)[{b}])" for a, b in ((i, j), (j, i))),
+        *(f"np.outer(0.01 * path.nose_mm[:, {a}], np.eye(3)[{b}])" for a, b in arms),
         *(f"np.outer(np.ones(len(path)), np.eye(3)[{a}])" for a in (i, j)),
     ]
     code = f"np.stack([{', '.join(moved)}], axis=2)"
-    return Direction(f"as a turn about {LINEAR_AXES[k]}", code, False, lever=_places(i, j))
+    each = [f"along {LINEAR_AXES[b]} per 100 mm in {LINEAR_AXES[a]}" for a, b in arms]
+    each += [f"along {LINEAR_AXES[a]}" for a in (i, j)]
+    words = f"as a turn about {LINEAR_AXES[k]}"
+    return Direction(words, code, False, lever=_places(i, j), each=tuple(each))
 
 
 TURNS = tuple(_turn(k) for k in range(3))
@@ -169,14 +182,18 @@ def bend_about(middle_mm: np.ndarray) -> Direction:
         f"[-{z} * {y}, -{z} * {x}, {x} * {y}]",
     )
     code = f"np.transpose([{', '.join(moved)}], (2, 1, 0))"
-    return Direction("as a plate bends and twists", code, True, lever=_places(0, 1))
+    each = ("bend along X", "bend along Y", "twist")
+    return Direction("as a plate bends and twists", code, True, lever=_places(0, 1), each=each)
 
 
 def curve_in(k: int, low_mm: float, high_mm: float) -> State:
     """A smooth curve along an axis, as cosines of half a turn to two turns, and a constant."""
     share = f"np.clip((path.nose_mm[:, {k}] - {low_mm:.0f}) / {high_mm - low_mm:.0f}, 0.0, 1.0)"
     code = f"np.cos(np.pi * np.outer({share}, np.arange({HALF_TURNS + 1})))"
-    return State("position", f"a curve in {LINEAR_AXES[k]} in 100 mm", code)
+    waves = (f"{0.5 * waves:g} waves in {LINEAR_AXES[k]}" for waves in range(1, HALF_TURNS + 1))
+    return State(
+        "position", f"a curve in {LINEAR_AXES[k]} in 100 mm", code, each=("everywhere", *waves)
+    )
 
 
 def states_of(path: Circumstances) -> Iterator[State]:
@@ -245,7 +262,8 @@ def _of_tool(path: Circumstances) -> Iterator[State]:
         yield State("tool change", f"after tool change {change}", f"path.tool_changes >= {change}")
     if changes > 1:
         each = f"path.tool_changes[:, None] >= np.arange(1, {changes + 1})"
-        yield State("tool change", "a step at each tool change", each)
+        words = tuple(f"after tool change {change}" for change in range(1, changes + 1))
+        yield State("tool change", "a step at each tool change", each, each=words)
     yield State("height above the tip", "height above the tip in 10 mm", _HEIGHT)
 
 
@@ -255,7 +273,8 @@ def _of_surface() -> Iterator[State]:
     for words, turns in (("twice", 2), ("three times", 3), ("four times", 4)):
         angle = f"{turns} * np.arctan2(path.normal[:, 1], path.normal[:, 0])"
         code = f"np.stack([np.cos({angle}), np.sin({angle})], axis=1)"
-        yield State("direction of the wall", f"a wave {words} round the walls", code)
+        both = ("cosine", "sine")
+        yield State("direction of the wall", f"a wave {words} round the walls", code, each=both)
 
 
 _HEIGHT = "0.1 * path.contact_mm[:, 2]"

@@ -262,4 +262,5 @@ def _state(argument: _Argument, frequency: float, span: float) -> State:
         argument.words.format(period=1.0 / frequency, hertz=frequency),
         f"({argument.height})[:, None] * np.stack([np.sin({turn}), np.cos({turn})], axis=1)",
         looked_at=max(span / argument.shortest, 1.0),
+        each=("sine", "cosine"),
     )

@@ -62,10 +62,12 @@ function proposals() {
   }), runBox("propose")];
 }
 
-// several amounts have no size in common but what they do
+// several amounts have no size in common but what they do; those beyond two u are said
 function amount(p) {
-  const one = p.amounts > 1 ? [] : [el("b", {}, short(p.amount_um)), ` µm (u = ${short(p.u_um)}), `];
-  return p.size_um === undefined ? one : [...one, `${fixed(p.size_um)} µm RMS of the readings, `];
+  const clear = (p.each ?? []).filter((one) => Math.abs(one.amount_um) > 2 * one.u_um);
+  const every = p.amounts > 1 ? clear : [p];
+  const each = every.flatMap((one) => [el("b", {}, short(one.amount_um)), ` µm (u = ${short(one.u_um)})${one.of ? ` ${one.of}` : ""}, `]);
+  return p.size_um === undefined ? each : [...each, `${fixed(p.size_um)} µm RMS of the readings, `];
 }
 
 function heldOut({ without, with: with_it }) {
