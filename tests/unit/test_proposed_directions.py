@@ -9,6 +9,7 @@ import pytest
 from tests.unit.test_diagnosis_verdicts import tip_job
 from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.proposals.effect_text import effect_text
+from vmach.diagnosis.proposals.form import FormEffect, amounts
 from vmach.diagnosis.proposals.form_columns import FormColumns
 from vmach.diagnosis.proposals.states import bend_about, curve_in
 from vmach.diagnosis.report import as_json, as_text
@@ -82,6 +83,33 @@ def test_every_amount_of_every_form_is_said_in_words_of_its_own():
     columns.add_conspicuous(*np.random.default_rng(3).normal(0.0, 1e-3, (2, len(survey))))
     for form in columns.forms:
         assert len(set(form.each)) == columns.columns(form).shape[1], form.formula
+
+
+def test_the_effect_that_is_written_does_what_its_form_does():
+    """All kinds of states and directions: some of each, as Python that is run."""
+    survey = survey_job(SAMPLE / "job.toml")
+    columns = FormColumns(survey)
+    columns.add_conspicuous(*np.random.default_rng(3).normal(0.0, 1e-3, (2, len(survey))))
+    kinds = {}
+    for form in columns.forms:
+        kinds.setdefault((form.kinds, form.direction.words), form)
+    random = np.random.default_rng(4)
+    for form in random.permutation(list(kinds.values()))[:300]:
+        size_um = amounts_of(form, random)
+        proposal = SimpleNamespace(
+            form=form, amounts_um=size_um, amount_um=1.0, amount_u_um=0.1, size_um=1.0, odds=9.0
+        )
+        written = {}
+        exec(effect_text(proposal, name="written"), written)
+        for path in survey.paths:
+            made = written["Written"]().displacement(path, "", **size_um)
+            expected = FormEffect(form, len(size_um)).displacement(path, "", **size_um)
+            np.testing.assert_allclose(made, expected, atol=1e-12, err_msg=form.formula)
+
+
+def amounts_of(form, random):
+    """Amounts of a form by chance, by the names of its parameters."""
+    return {parameter.name: random.normal() for parameter in amounts(len(form.each))}
 
 
 def worn(q, side, time):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vmach.diagnosis.proposals.form import USUAL_UM
+from vmach.diagnosis.proposals.form import USUAL_UM, Form
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.proposals.states import CONSTANT
 
@@ -10,6 +10,18 @@ __all__ = ["effect_text"]
 
 #: what a single amount is of
 _ONE = "displacement per unit of its states"
+_ONE_AMOUNT = """\
+    def displacement(self, path, target, amount_um):
+        size_um = amount_um * {states}
+        return 1e-3 * size_um[:, None] * {direction}"""
+_SEVERAL_AMOUNTS = """\
+    def displacement(self, path, target, **amount_um):
+        amounts = np.array([amount_um[p.name] for p in self.parameters])
+        states = {states}
+        directions = {direction}
+        # each number of the states into each direction has an amount of its own
+        moved = directions.reshape(len(path), 3, -1, 1) * states.reshape(len(path), 1, 1, -1)
+        return 1e-3 * moved.reshape(len(path), 3, -1) @ amounts"""
 _TEXT = '''"""Proposed for what no effect of the catalogue explains.
 
 {formula}
@@ -25,6 +37,9 @@ class {kind}(Effect):
 
     name = "{name}"
     title = "{formula}"
+    law = "amount x {formula}"
+    shows_as = "{formula}"
+    source = "proposed from measurements"
     parameters = (
 {parameters}
     )
@@ -36,21 +51,13 @@ class {kind}(Effect):
     )
     cure = "find what does it, then mend or compensate it"
 
-    def displacement(self, path, target, **amount_um):
-        state = np.ones((len(path), 1))
-{states}
-        directions = np.reshape({direction}, (len(path), 3, -1))
-        # each number of the state into each direction has an amount of its own
-        moved = directions[:, :, :, None] * np.nan_to_num(state)[:, None, None, :]
-        amounts = np.array([amount_um[p.name] for p in self.parameters])
-        return 1e-3 * moved.reshape(len(path), 3, -1) @ amounts
+{displacement}
 '''
 
 
 def effect_text(proposal: Proposal, *, name: str) -> str:
     """Python of an effect of this name."""
     form = proposal.form
-    states = [s for s in (form.first, form.second) if s is not CONSTANT]
     return _TEXT.format(
         formula=form.formula,
         kind="".join(word.capitalize() for word in name.split("_")),
@@ -58,16 +65,25 @@ def effect_text(proposal: Proposal, *, name: str) -> str:
         size=_size(proposal),
         odds=proposal.odds,
         parameters="\n".join(
-            f'        linear("{name}", "{of or _ONE}", usual={USUAL_UM}),'
-            for name, of in zip(proposal.amounts_um, form.each, strict=True)
+            f'        linear("{amount}", "{of or _ONE}", usual={USUAL_UM}),'
+            for amount, of in zip(proposal.amounts_um, form.each, strict=True)
         ),
         needs_surface=form.needs_surface,
         refute=form.refute,
-        states="\n".join(
-            f"        state = state * np.reshape({s.code}, (len(path), -1))" for s in states
-        ),
-        direction=form.direction.code,
+        displacement=_displacement(form),
     )
+
+
+def _displacement(form: Form) -> str:
+    """The method that works out what one form does."""
+    is_wide = any(len(state.each) > 1 for state in form.states)
+    states = [
+        f"np.nan_to_num({state.code})" + "[:, None]" * (is_wide and len(state.each) == 1)
+        for state in form.states
+    ]
+    text = _ONE_AMOUNT if len(form.each) == 1 else _SEVERAL_AMOUNTS
+    product = " * ".join(states or [CONSTANT.code])
+    return text.format(states=product, direction=form.direction.code)
 
 
 def _size(proposal: Proposal) -> str:

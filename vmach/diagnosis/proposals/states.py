@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -145,6 +145,12 @@ def _places(*ks: int) -> tuple[str, ...]:
     return tuple(f"{LINEAR_AXES[k]} in 100 mm" for k in ks)
 
 
+def _listed(function: str, columns: Iterable[str], how: str) -> str:
+    """A call with a list, each column in a line of its own, as in the method of an effect."""
+    lines = "".join(f"            {column},\n" for column in columns)
+    return f"{function}([\n{lines}        ], {how})"
+
+
 def _turn(k: int) -> Direction:
     """A turn about an axis: arms along the two others, and shifts where they start elsewhere.
 
@@ -156,7 +162,7 @@ def _turn(k: int) -> Direction:
         *(f"np.outer(0.01 * path.nose_mm[:, {a}], np.eye(3)[{b}])" for a, b in arms),
         *(f"np.outer(np.ones(len(path)), np.eye(3)[{a}])" for a in (i, j)),
     ]
-    code = f"np.stack([{', '.join(moved)}], axis=2)"
+    code = _listed("np.stack", moved, "axis=2")
     each = [f"along {LINEAR_AXES[b]} per 100 mm in {LINEAR_AXES[a]}" for a, b in arms]
     each += [f"along {LINEAR_AXES[a]}" for a in (i, j)]
     words = f"as a turn about {LINEAR_AXES[k]}"
@@ -181,7 +187,7 @@ def bend_about(middle_mm: np.ndarray) -> Direction:
         f"[{none}, -2.0 * {z} * {y}, ({y}) ** 2]",
         f"[-{z} * {y}, -{z} * {x}, {x} * {y}]",
     )
-    code = f"np.transpose([{', '.join(moved)}], (2, 1, 0))"
+    code = _listed("np.transpose", moved, "(2, 1, 0)")
     each = ("bend along X", "bend along Y", "twist")
     return Direction("as a plate bends and twists", code, True, lever=_places(0, 1), each=each)
 

@@ -48,8 +48,8 @@ _RCOND = 1e-9
 class _Argument:
     """What a wave may go along: words for it, code, and the range of its period.
 
-    `kind` is that of the state, `height` code of how high the wave is. The words take the
-    ``period`` and its inverse, ``hertz``. A smooth discrepancy takes nothing of high frequencies.
+    `kind` is that of the state, `height` code of how high the wave is, if not one. The words take
+    the ``period`` and its inverse, ``hertz``. A smooth discrepancy takes nothing of high frequencies.
     """
 
     kind: str
@@ -58,7 +58,7 @@ class _Argument:
     shortest: float
     longest: float = np.inf
     directions: tuple[Direction, ...] = DIRECTIONS
-    height: str = "np.ones(len(path))"
+    height: str = ""
     is_high_frequency: bool = False
 
     def of(self, survey: Survey, code: str) -> np.ndarray:
@@ -137,12 +137,13 @@ def wave_states(
     for argument in _ARGUMENTS:
         if argument.is_high_frequency and not with_high_frequency:
             continue
-        along, height = (argument.of(survey, code) for code in (argument.code, argument.height))
+        along = argument.of(survey, argument.code)
+        height = argument.of(survey, argument.height)[:, None] if argument.height else 1.0
         span = float(np.ptp(along))
         if span < 2.0 * argument.shortest:
             continue
         for direction in argument.directions:
-            seen = sensed[direction] * height[:, None]
+            seen = sensed[direction] * height
             if not seen.any():
                 continue
             wave = _Wave(along, seen * scale[:, None], left_mm * scale, alignment)
@@ -256,11 +257,12 @@ def _peaks(wave: _Wave, argument: _Argument) -> list[float]:
 
 
 def _state(argument: _Argument, frequency: float, span: float) -> State:
-    turn = f"{2.0 * np.pi * frequency!r} * {argument.code}"
+    turn = f"2.0 * np.pi / {1.0 / frequency!r} * {argument.code}"
+    high = f"({argument.height})[:, None] * " * bool(argument.height)
     return State(
         argument.kind,
         argument.words.format(period=1.0 / frequency, hertz=frequency),
-        f"({argument.height})[:, None] * np.stack([np.sin({turn}), np.cos({turn})], axis=1)",
+        f"{high}np.stack([np.sin({turn}), np.cos({turn})], axis=1)",
         looked_at=max(span / argument.shortest, 1.0),
         each=("sine", "cosine"),
     )
