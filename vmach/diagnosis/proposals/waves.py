@@ -49,7 +49,7 @@ class _Argument:
     """What a wave may go along: words for it, code, and the range of its period.
 
     `kind` is that of the state, `height` code of how high the wave is, if not one. The words take
-    the ``period`` and its inverse, ``hertz``. A smooth discrepancy takes nothing of high frequencies.
+    the ``period`` and its inverse, ``hertz``. A smooth discrepancy takes none of high frequency.
     """
 
     kind: str
