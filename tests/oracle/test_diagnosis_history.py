@@ -42,6 +42,8 @@ def test_both_ways_to_say_which_part_agree_with_the_tests_own_alignment(fixed):
     ):
         steps = json.loads(run(job, "--json", *way).stdout)
         assert [s["check_rms_um"] for s in steps] == pytest.approx(wanted, abs=2e-3)
+        for step in steps:  # both parts read one machine file: nothing of it is said twice
+            assert step["notes"] and len(set(step["notes"])) == len(step["notes"])
 
 
 def test_jobs_of_one_name_are_told_by_their_folders(fixed, tmp_path, monkeypatch):

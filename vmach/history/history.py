@@ -80,7 +80,8 @@ def history_of(job_path: Job | str | Path, *, check: Job | None = None) -> list[
                 rms_um=rms_um(survey),
                 check_rms_um=None if other is None else rms_um(other),
                 held_out_um=held_out_rms_um(survey),
-                notes=survey.notes + (() if other is None else other.notes),
+                # both read the same machine: what is said of its file is said once
+                notes=tuple(dict.fromkeys((*survey.notes, *(other.notes if other else ())))),
             )
         )
         if "previous" not in last:
