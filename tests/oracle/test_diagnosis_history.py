@@ -1,6 +1,8 @@
 """The error on a part that was not fitted, against an alignment of the tests' own."""
 
 import json
+import re
+import shutil
 
 import pytest
 from typer.testing import CliRunner
@@ -42,8 +44,18 @@ def test_both_ways_to_say_which_part_agree_with_the_tests_own_alignment(fixed):
     ):
         steps = json.loads(run(job, "--json", *way).stdout)
         assert [s["check_rms_um"] for s in steps] == pytest.approx(wanted, abs=2e-3)
-        for step in steps:  # both parts read one machine file: nothing of it is said twice
-            assert step["notes"] and len(set(step["notes"])) == len(step["notes"])
+
+
+def test_a_doubt_about_the_machine_of_both_parts_is_said_once(fixed, tmp_path):
+    job, _ = fixed
+    folder = shutil.copytree(job.parent, tmp_path / "copy")
+    machine = folder / "machine.toml"
+    text = re.sub(r"^(C0Y|EC0Y) = .*$", r"\1 = 0.5", machine.read_text(), flags=re.MULTILINE)
+    machine.write_text(text)
+    steps = json.loads(
+        run(folder / "job.toml", "--json", "--check-job", folder / "check.toml").stdout
+    )
+    assert sum("a squareness of 0.5" in note for note in steps[0]["notes"]) == 1
 
 
 def test_jobs_of_one_name_are_told_by_their_folders(fixed, tmp_path, monkeypatch):
