@@ -56,7 +56,7 @@ function proposals() {
     const write = el("button", { type: "button", class: "primary", disabled: isAtWork("propose") }, "Write it as an effect");
     write.onclick = ({ currentTarget }) => startRun("/api/propose", { name: currentTarget.closest("article").querySelector("input").value.trim(), number: i + 1 });
     return el("article", { class: "card" }, el("h4", {}, el("code", {}, p.formula)),
-      el("p", {}, ...amount(p), `${p.direction}; would leave ${fixed(p.remains_um)} µm`),
+      el("p", {}, ...amount(p), `would leave ${fixed(p.remains_um)} µm`),
       heldOut(p.held_out_um), el("p", { class: "soft" }, "To refute it: ", micro(p.refuted_by)),
       el("div", { class: "row" }, name, write));
   }), runBox("propose")];
