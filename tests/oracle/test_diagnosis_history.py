@@ -11,6 +11,8 @@ from tests.hidden_effects import program_runs
 from tests.hidden_effects.experiment import make_experiment
 from vmach.cli import app
 from vmach.history.added_effects import add_effects
+from vmach.history.fitted_before import fitted_before
+from vmach.job import read_job
 
 
 def run(*words):
@@ -110,3 +112,68 @@ def test_what_else_is_missing_shows_beside_what_is_open(tmp_path):
     (tmp_path / "job.toml").write_text(added.read_text())
     report, _ = program_runs.diagnose(tmp_path)
     assert [e["effect"] for e in report["effects"]] == ["backlash"]
+
+
+@pytest.fixture(scope="module")
+def warm(tmp_path_factory):
+    """A warm workpiece on a machine with a screw that warms: each takes a part of the other."""
+    folder = tmp_path_factory.mktemp("warm")
+    make_experiment(folder, effects=["axis_expansion", "workpiece_temperature"], seed=71002)
+    both = ["axis_expansion:Y", "workpiece_temperature"]
+    add_effects(folder / "job.toml", both, out=folder / "both.toml")
+    for first, then in (both, both[::-1]):
+        one, two = (folder / f"{word.split('_')[0]}.toml" for word in (first, then))
+        add_effects(folder / "job.toml", [first], out=one)
+        add_effects(one, [then], out=two.with_stem(f"{one.stem}_{two.stem}"))
+    return folder
+
+
+def test_the_order_in_which_effects_are_added_changes_nothing(warm):
+    together, *in_turn = (
+        read_job(warm / f"{name}.toml") for name in ("both", "axis_workpiece", "workpiece_axis")
+    )
+    hidden = json.loads((warm / "truth.json").read_text())["effects"][1]["comparable"]
+    for job in in_turn:
+        for name, targets in together.effects.items():
+            for parameter, value in job.effects[name].get("Y", job.effects[name]).items():
+                assert value == pytest.approx(
+                    targets.get("Y", targets)[parameter], rel=2e-3, abs=2e-3
+                )
+        assert set(map(frozenset, job.correlated)) == set(map(frozenset, together.correlated))
+        assert job.history[-1]["rms_after_um"] < 0.9  # the noise is 0.8 um
+    told = together.effects["workpiece_temperature"]["expansion_ppm"]
+    u = together.fitted["workpiece_temperature", ""][0]["expansion_ppm"]
+    assert abs(told - hidden["expansion_ppm"]) < 3.0 * abs(u)
+    # alone, the screw had taken a part of it
+    alone = read_job(warm / "axis.toml").effects["axis_expansion"]["Y"]["expansion_ppm"]
+    assert abs(alone - together.effects["axis_expansion"]["Y"]["expansion_ppm"]) > 15.0
+
+
+def test_what_was_fitted_to_other_readings_stays(warm):
+    """A job that goes on with another part knows what the first part told."""
+    known = warm / "another_part.toml"
+    text = (warm / "axis.toml").read_text()
+    known.write_text(text.replace("part.nc", "check.nc").replace("part_measured", "check_measured"))
+    after = read_job(add_effects(known, ["workpiece_temperature"])[0])
+    assert after.effects["axis_expansion"] == read_job(known).effects["axis_expansion"]
+    assert after.fitted["axis_expansion", "Y"] == read_job(known).fitted["axis_expansion", "Y"]
+
+
+def test_what_was_set_stays(warm):
+    said = CliRunner().invoke(
+        app, ["set", str(warm / "axis.toml"), "axis_expansion:Y.expansion_ppm=50", "-o",
+              str(warm / "set.toml")],
+    )  # fmt: skip
+    assert said.exit_code == 0, said.output
+    after = read_job(add_effects(warm / "set.toml", ["workpiece_temperature"])[0])
+    assert after.effects["axis_expansion"] == read_job(warm / "set.toml").effects["axis_expansion"]
+
+
+def test_further_readings_fit_anew_what_the_first_told(warm):
+    """More was measured since: the readings that an effect was fitted to are all still there."""
+    more = warm / "more.toml"
+    drift = "\n".join(["at_s,x_um,y_um,z_um", *(f"{60 * k},0,0,0" for k in range(20))])
+    (warm / "drift.csv").write_text(drift)
+    test = '\n[[measurements]]\nkind = "drift"\nfile = "drift.csv"\nu_um = 0.5\n'
+    more.write_text((warm / "axis.toml").read_text() + test)
+    assert fitted_before(read_job(more)) == (("axis_expansion", "Y"),)

@@ -210,6 +210,7 @@ def add(
                 "target": e.target or None,
                 "parameters": e.parameters,
                 "u": e.u,
+                "fitted_anew": e.label not in rms["added"],
             }
             for e in found
         ]
@@ -219,7 +220,8 @@ def add(
         print(json.dumps(told, indent=1))
         return
     for effect in found:
-        print(f"{effect.label}: {_values(effect)}")
+        anew = " (fitted anew with it)" * (effect.label not in rms["added"])
+        print(f"{effect.label}{anew}: {_values(effect)}")
     print(
         f"RMS of measured minus predicted: {rms['rms_before_um']:.2f} um before, "
         f"{rms['rms_after_um']:.2f} um after"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,14 +11,16 @@ import numpy as np
 from vmach.base.note import Note
 from vmach.diagnosis.named_fit import NamedEffect, fit_named
 from vmach.diagnosis.residuals.job_survey import survey_job
+from vmach.effects import label_of
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import line_of_key
 from vmach.history import rms_um
+from vmach.history.fitted_before import fitted_before, is_there, without_effects, without_tables
 from vmach.history.following_job import history_toml, moved_text
 from vmach.history.job_text import with_tables
 from vmach.history.new_job_files import write_and_read
-from vmach.job import free_job_name, read_job
+from vmach.job import Job, free_job_name, read_job
 
 __all__ = ["add_effects"]
 
@@ -35,6 +37,9 @@ def add_effects(
 ) -> tuple[Path, tuple[NamedEffect, ...]]:
     """Fit effects to a job's measurements and write a job that holds them.
 
+    Effects that the job has from a fit to the same readings are fitted anew with them: one after
+    the other, the first would keep what it took of the others.
+
     Parameters
     ----------
     job_path : path
@@ -48,7 +53,7 @@ def add_effects(
 
     Returns
     -------
-    path of the new job, and the effects with their parameters
+    path of the new job, and the effects with their parameters, those that were there first
 
     Raises
     ------
@@ -59,25 +64,24 @@ def add_effects(
     twice = [name for name in effects if list(effects).count(name) > 1]
     if twice:
         raise InputError(f"{twice[0]} is named twice", accepted="every effect once")
-    survey = survey_job(job.path)
-    found = fit_named(survey, effects)
     text = read_text(job.path, what="job file")
+    for name in effects:
+        _check_new(job, text, *_parts(name))
+    anew = fitted_before(job)
+    bare = survey_job(without_effects(job, anew))
+    every = fit_named(bare, [*(label_of(*key) for key in anew), *effects])
+    found = every[len(anew) :]
     for effect in found:
-        if _is_there(job.effects, effect):
-            raise InputError(
-                f"the job has the effect {effect.label} already",
-                file=job.path,
-                line=line_of_key(text, ["effects", effect.effect.name, effect.target]),
-                hint="take it out of the job first, or go on from the job before it",
-            )
+        _check_new(job, text, effect.effect.name, effect.target)
     target = out or free_job_name(job.path)
     if target.exists():
         raise InputError("file is there already", file=target, hint="choose another name with -o")
     text = moved_text(text, job.folder, target.parent, file=job.path)
-    before = rms_um(survey)
-    after = rms_um(survey, sum(effect.explained_mm for effect in found))
-    more = "\n".join(_effect_toml(e) for e in found) + "".join(_fitted_toml(e) for e in found)
-    more += "".join(_correlated_toml(e) for e in found)
+    text = without_tables(text, anew, file=job.path)
+    before = rms_um(survey_job(job) if anew else bare)
+    after = rms_um(bare, sum(effect.explained_mm for effect in every))
+    more = "\n".join(_effect_toml(e) for e in every) + "".join(_fitted_toml(e) for e in every)
+    more += "".join(_correlated_toml(e) for e in every)
     more += history_toml(
         job, target.parent, [effect.label for effect in found],
         figures={"rms_before_um": before, "rms_after_um": after},
@@ -85,9 +89,32 @@ def add_effects(
     )  # fmt: skip
     text = with_tables(text, more, file=job.path)
     write_and_read({target: text}, target, old=job.path)
-    for note in survey.notes:
+    for note in bare.notes:
         tell(note)
-    return target, found
+    return target, every
+
+
+def _parts(word: str) -> tuple[str, str]:
+    """Name and target of an effect that is told as ``NAME:TARGET``."""
+    name, _, target = word.replace(" ", ":").partition(":")
+    return name, target
+
+
+def _check_new(job: Job, text: str, name: str, target: str) -> None:
+    """Complain about an effect that the job has.
+
+    Raises
+    ------
+    InputError
+        It is there already.
+    """
+    if is_there(job.effects, name, target):
+        raise InputError(
+            f"the job has the effect {label_of(name, target)} already",
+            file=job.path,
+            line=line_of_key(text, ["effects", name, target]),
+            hint="take it out of the job first, or go on from the job before it",
+        )
 
 
 def _effect_toml(effect: NamedEffect) -> str:
@@ -130,10 +157,3 @@ def _value(value: Any) -> str:
     if isinstance(value, list):
         return "[" + ", ".join(_value(v) for v in value) + "]"
     return f"{value:.6g}"
-
-
-def _is_there(effects: Mapping[str, Any], new: NamedEffect) -> bool:
-    table = effects.get(new.effect.name)
-    if table is None:
-        return False
-    return new.target in table or table.get("target", "") == new.target

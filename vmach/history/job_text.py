@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, MutableMapping
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from tomlkit.exceptions import TOMLKitError
 from vmach.errors import InputError
 from vmach.files.toml_file import line_of_key
 
-__all__ = ["checked_job", "in_tables", "parsed_job", "with_tables"]
+__all__ = ["checked_job", "in_tables", "parsed_job", "take_out", "with_tables"]
 
 #: tables of a job that a following one adds to
 _GROWING = ("effects", "fitted", "correlated", "history")
@@ -72,6 +72,16 @@ def in_tables(text: str, file: Path) -> str:
     kept = {key: document.pop(key).unwrap() for key in _GROWING if key in document}
     plain = tomlkit.dumps({key: value for key, value in kept.items() if value})
     return _joined(tomlkit.dumps(document), plain)
+
+
+def take_out(job: MutableMapping[str, Any], key: str, is_one: Callable[[Any], bool]) -> None:
+    """Take entries out of a list of tables, and the list where none is left."""
+    entries: Any = job.get(key, [])
+    for k in reversed(range(len(entries))):
+        if is_one(entries[k]):
+            del entries[k]
+    if key in job and not len(entries):
+        del job[key]
 
 
 def _joined(text: str, more: str) -> str:

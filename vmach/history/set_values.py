@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from collections.abc import Callable, MutableMapping, Sequence
+from collections.abc import MutableMapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from tomlkit.items import InlineTable
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.history.following_job import history_toml, moved_text
-from vmach.history.job_text import checked_job, in_tables, parsed_job, with_tables
+from vmach.history.job_text import checked_job, in_tables, parsed_job, take_out, with_tables
 from vmach.history.new_job_files import write_and_read
 from vmach.history.other_machine import MachineValue, other_machine_text
 from vmach.job import free_job_name, read_job
@@ -172,21 +172,11 @@ def _change(
     for value in values:
         _parameters_of(effects, value)[value.parameter] = value.value
     changed = {(value.name, value.target) for value in values}
-    _take_out(job, "fitted", lambda e: (e.get("effect"), e.get("target", "")) in changed)
+    take_out(job, "fitted", lambda e: (e.get("effect"), e.get("target", "")) in changed)
     words = {f"{name}:{target}".rstrip(":") for name, target in changed}
-    _take_out(job, "correlated", lambda e: not words.isdisjoint(e.get("effects", ())))
+    take_out(job, "correlated", lambda e: not words.isdisjoint(e.get("effects", ())))
     if not effects:
         del job["effects"]
-
-
-def _take_out(job: MutableMapping[str, Any], key: str, is_one: Callable[[Any], bool]) -> None:
-    """Take entries out of a list of tables, and the list where none is left."""
-    entries: Any = job.get(key, [])
-    for k in reversed(range(len(entries))):
-        if is_one(entries[k]):
-            del entries[k]
-    if key in job and not len(entries):
-        del job[key]
 
 
 def _parameters_of(effects: Any, value: _EffectValue) -> Any:
