@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 
 from tests.hidden_effects import program_runs
 from tests.hidden_effects.experiment import make_experiment
+from vmach.base.note import Kind
 from vmach.cli import app
 from vmach.history.added_effects import add_effects
 from vmach.history.fitted_before import fitted_before
@@ -154,7 +155,9 @@ def test_what_was_fitted_to_other_readings_stays(warm):
     known = warm / "another_part.toml"
     text = (warm / "axis.toml").read_text()
     known.write_text(text.replace("part.nc", "check.nc").replace("part_measured", "check_measured"))
-    after = read_job(add_effects(known, ["workpiece_temperature"])[0])
+    notes = []
+    after = read_job(add_effects(known, ["workpiece_temperature"], tell=notes.append)[0])
+    assert [n.place for n in notes if n.kind == Kind.KEPT] == ["axis_expansion Y"]
     assert after.effects["axis_expansion"] == read_job(known).effects["axis_expansion"]
     assert after.fitted["axis_expansion", "Y"] == read_job(known).fitted["axis_expansion", "Y"]
 

@@ -83,6 +83,7 @@ class Kind(StrEnum):
     CANCELLING = "cancelling"  #: effects and forms that cancel in part
     IMPOSSIBLE = "impossible"  #: a fitted size that nature does not have
     NOT_CALLED_FOR = "not called for"  #: an effect that the measurements do not ask for
+    KEPT = "kept"  #: an effect of the job that was not fitted anew
     # evaluations
     RUNS = "runs"  #: too few runs for a figure
     TARGETS = "targets"

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from vmach.base.note import Note
+from vmach.base.note import Kind, Note
 from vmach.diagnosis.named_fit import NamedEffect, fit_named
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects import label_of
@@ -16,7 +16,13 @@ from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import line_of_key
 from vmach.history import rms_um
-from vmach.history.fitted_before import fitted_before, is_there, without_effects, without_tables
+from vmach.history.fitted_before import (
+    Key,
+    fitted_before,
+    is_there,
+    without_effects,
+    without_tables,
+)
 from vmach.history.following_job import history_toml, moved_text
 from vmach.history.job_text import with_tables
 from vmach.history.new_job_files import write_and_read
@@ -89,9 +95,16 @@ def add_effects(
     )  # fmt: skip
     text = with_tables(text, more, file=job.path)
     write_and_read({target: text}, target, old=job.path)
-    for note in bare.notes:
+    for note in (*bare.notes, *_kept_notes(job, anew)):
         tell(note)
     return target, every
+
+
+def _kept_notes(job: Job, anew: Collection[Key]) -> list[Note]:
+    """What was fitted before and is not now, as the effects beside it may have changed it."""
+    labels = [label_of(*key) for key in job.fitted if key not in anew]
+    said = "{} stays as it was fitted: to other readings, or the job before cannot be read"
+    return [Note.plain(Kind.KEPT, said.format(label), place=label) for label in labels]
 
 
 def _parts(word: str) -> tuple[str, str]:
