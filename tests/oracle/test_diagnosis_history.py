@@ -11,6 +11,7 @@ from tests.hidden_effects import program_runs
 from tests.hidden_effects.experiment import make_experiment
 from vmach.base.note import Kind
 from vmach.cli import app
+from vmach.errors import InputError
 from vmach.history.added_effects import add_effects
 from vmach.history.fitted_before import fitted_before
 from vmach.job import read_job
@@ -180,3 +181,27 @@ def test_further_readings_fit_anew_what_the_first_told(warm):
     test = '\n[[measurements]]\nkind = "drift"\nfile = "drift.csv"\nu_um = 0.5\n'
     more.write_text((warm / "axis.toml").read_text() + test)
     assert fitted_before(read_job(more)) == (("axis_expansion", "Y"),)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            "[effects.axis_expansion.Y]",
+            "[effects]\nbacklash = 3\n[effects.axis_expansion.Y]",
+            "a table",
+        ),
+        ("[effects.axis_expansion.Y]", "[effects.axis_expansion.X]", r"\[\[fitted\]\] is of"),
+        ('previous = "job.toml"', 'previous = "gone.toml"', None),
+        ('previous = "job.toml"', 'previous = "spoiled.toml"', None),
+    ],
+)
+def test_a_job_that_was_spoiled_since_is_refused_or_taken_as_it_is(warm, old, new, said):
+    spoiled = warm / "spoiled.toml"
+    spoiled.write_text((warm / "axis.toml").read_text().replace(old, new))
+    if said is None:
+        after = read_job(add_effects(spoiled, ["squareness:C0Y"])[0])
+        assert after.effects["axis_expansion"] == read_job(spoiled).effects["axis_expansion"]
+        return
+    with pytest.raises(InputError, match=said):
+        add_effects(spoiled, ["squareness:C0Y"])

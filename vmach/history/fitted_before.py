@@ -38,7 +38,7 @@ def fitted_before(job: Job) -> tuple[Key, ...]:
         seen.add(before.path.resolve())
         found |= here.fitted.keys() - before.fitted.keys()
         here = before
-    return tuple(key for key in job.fitted if key in found)
+    return tuple(key for key in job.fitted if key in found and is_there(job.effects, *key))
 
 
 def _before(job: Job) -> Job | None:
@@ -70,7 +70,8 @@ def _readings(job: Job) -> dict[str, Any]:
 
 def without_effects(job: Job, keys: Collection[Key]) -> Job:
     """The job without some of its effects, and what was left open of them."""
-    effects = {name: dict(table) for name, table in job.effects.items()}
+    effects = dict(job.effects)
+    effects |= {name: dict(effects[name]) for name, _ in keys}
     _take_effects(effects, keys)
     return replace(
         job,
@@ -122,7 +123,9 @@ def _take_effects(effects: MutableMapping[str, Any], keys: Collection[Key]) -> N
 
 def is_there(effects: Mapping[str, Any], name: str, target: str) -> bool:
     """Whether the table of all effects has one."""
-    table = effects.get(name, {})
+    table = effects.get(name)
+    if not isinstance(table, Mapping):
+        return False
     plain = {key: value for key, value in table.items() if not isinstance(value, Mapping)}
     return (target in table.keys() - plain.keys()) or (
         bool(plain) and plain.get("target", "") == target
