@@ -173,7 +173,8 @@ def test_add_keeps_the_old_job_and_the_error_falls(tmp_path):
     second, _ = add_effects(old, ["backlash"])
     third, found = add_effects(second, ["scale:X"])
     assert old.read_bytes() == before
-    assert found[0].parameters["scale_ppm"] == pytest.approx(30, rel=0.1)
+    assert [effect.label for effect in found] == ["backlash Y", "scale X"]
+    assert found[1].parameters["scale_ppm"] == pytest.approx(30, rel=0.1)
     steps = history_of(third)
     assert [s.added for s in steps] == [(), ("backlash Y",), ("scale X",)]
     assert steps[0].rms_um > steps[1].rms_um > steps[2].rms_um
