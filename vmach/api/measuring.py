@@ -53,7 +53,8 @@ def add(
 
     Returns
     -------
-    the new job, and the effects with their parameters
+    the new job, and the effects with their parameters: first those that the same readings gave
+    before, fitted anew
 
     Raises
     ------
