@@ -15,7 +15,7 @@ from typing import Any
 import tomlkit
 
 from vmach.errors import InputError
-from vmach.history.job_text import checked_job, parsed_job, take_out
+from vmach.history.job_text import checked_job, parsed_job, take_fits
 from vmach.job import Job, read_job
 from vmach.job.path_keys import change_paths
 
@@ -103,9 +103,7 @@ def _take_tables(data: MutableMapping[str, Any], keys: Collection[Key]) -> None:
     _take_effects(data["effects"], keys)
     if not data["effects"]:
         del data["effects"]
-    words = {f"{name}:{target}".rstrip(":") for name, target in keys}
-    take_out(data, "fitted", lambda e: (e.get("effect"), e.get("target", "")) in keys)
-    take_out(data, "correlated", lambda e: not words.isdisjoint(e.get("effects", ())))
+    take_fits(data, keys)
 
 
 def _take_effects(effects: MutableMapping[str, Any], keys: Collection[Key]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Mapping, MutableMapping
+from collections.abc import Callable, Collection, Mapping, MutableMapping
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from tomlkit.exceptions import TOMLKitError
 from vmach.errors import InputError
 from vmach.files.toml_file import line_of_key
 
-__all__ = ["checked_job", "in_tables", "parsed_job", "take_out", "with_tables"]
+__all__ = ["checked_job", "in_tables", "parsed_job", "take_fits", "with_tables"]
 
 #: tables of a job that a following one adds to
 _GROWING = ("effects", "fitted", "correlated", "history")
@@ -74,7 +74,14 @@ def in_tables(text: str, file: Path) -> str:
     return _joined(tomlkit.dumps(document), plain)
 
 
-def take_out(job: MutableMapping[str, Any], key: str, is_one: Callable[[Any], bool]) -> None:
+def take_fits(job: MutableMapping[str, Any], keys: Collection[tuple[str, str]]) -> None:
+    """Take out what fits left open of effects, told by name and target."""
+    words = {f"{name}:{target}".rstrip(":") for name, target in keys}
+    _take_out(job, "fitted", lambda e: (e.get("effect"), e.get("target", "")) in keys)
+    _take_out(job, "correlated", lambda e: not words.isdisjoint(e.get("effects", ())))
+
+
+def _take_out(job: MutableMapping[str, Any], key: str, is_one: Callable[[Any], bool]) -> None:
     """Take entries out of a list of tables, and the list where none is left."""
     entries: Any = job.get(key, [])
     for k in reversed(range(len(entries))):

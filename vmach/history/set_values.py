@@ -16,7 +16,7 @@ from tomlkit.items import InlineTable
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.history.following_job import history_toml, moved_text
-from vmach.history.job_text import checked_job, in_tables, parsed_job, take_out, with_tables
+from vmach.history.job_text import checked_job, in_tables, parsed_job, take_fits, with_tables
 from vmach.history.new_job_files import write_and_read
 from vmach.history.other_machine import MachineValue, other_machine_text
 from vmach.job import free_job_name, read_job
@@ -171,10 +171,7 @@ def _change(
     effects = _inside(job, "effects")
     for value in values:
         _parameters_of(effects, value)[value.parameter] = value.value
-    changed = {(value.name, value.target) for value in values}
-    take_out(job, "fitted", lambda e: (e.get("effect"), e.get("target", "")) in changed)
-    words = {f"{name}:{target}".rstrip(":") for name, target in changed}
-    take_out(job, "correlated", lambda e: not words.isdisjoint(e.get("effects", ())))
+    take_fits(job, {(value.name, value.target) for value in values})
     if not effects:
         del job["effects"]
 
