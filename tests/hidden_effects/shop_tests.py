@@ -1,9 +1,9 @@
-"""What shops measure with a machine file that holds no table: a plate of holes, runs of an axis.
+"""What shops measure with a machine file that holds no table: holes, runs of an axis, circles.
 
 Nothing of the library makes the readings. Causes and what nobody models lie one upon another:
 chance of a hole or stop, what neighbours share, what drifts, what repeats in every run.
 
-Source: closed forms written here; ISO 230-2 for the runs of an axis.
+Source: closed forms written here; ISO 230-2 for the runs of an axis, ISO 230-4 for circles.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from tests.small_job import measurement, write_job
 
-__all__ = ["make_axis", "make_plate"]
+__all__ = ["make_axis", "make_ballbar", "make_plate"]
 
 #: zero of the part, and travel, of the machine that is written, mm
 _ZERO, _TRAVEL = [-350, -350, -200], 700
@@ -42,9 +42,15 @@ def make_plate(folder: Path, seed: int) -> None:
     listed = {0: np.lexsort(place.T), 1: np.lexsort(place.T[::-1]), 2: np.arange(len(place))}
     rows = np.hstack([place, read])[listed.get(seed % 4, random.permutation(len(place)))]
     _write(folder, measurement("holes", u_um=u_um), _drilled(place))
-    np.savetxt(
-        folder / "holes.csv", rows, delimiter=",", header="x,y,mx,my", comments="", fmt="%.5f"
-    )
+    header = "x,y,mx,my"
+    if seed % 2:
+        # another stream: the plates stay what they were without diameters
+        rows = np.hstack([rows, _sizes(np.random.default_rng([seed, 1]), len(rows))])
+        header, hidden = (
+            f"{header},d,md",
+            [*hidden, ["tool_radius T1", "runout T1", "probe_radius"]],
+        )
+    np.savetxt(folder / "holes.csv", rows, delimiter=",", header=header, comments="", fmt="%.5f")
     numbers = {"u_um": u_um, "scatter_um": float(scatter_um.std()), "strain": strain.tolist()}
     _tell(folder, hidden, numbers)
 
@@ -58,6 +64,12 @@ def _holes(random: np.random.Generator, radius: float) -> np.ndarray:
         if np.hypot(*trial) < radius and apart.min(initial=np.inf) > _APART_MM:
             place = np.vstack([place, trial])
     return place[: random.integers(120, 700)]
+
+
+def _sizes(random: np.random.Generator, count: int) -> np.ndarray:
+    """Nominal and measured diameters: a drill cuts too large, and not the same everywhere, mm."""
+    over_um = random.uniform(2.0, 20.0) + random.uniform(1.0, 3.0) * random.standard_normal(count)
+    return np.column_stack([np.full(count, 10.0), 10.0 + 1e-3 * over_um])
 
 
 def _strain(random: np.random.Generator) -> tuple[np.ndarray, list[list[str]]]:
@@ -185,6 +197,81 @@ def _of_runs(random: np.random.Generator, runs: int) -> np.ndarray:
         random.standard_normal(runs),
     )
     return kinds[random.integers(3)]
+
+
+def make_ballbar(folder: Path, seed: int) -> None:
+    """Circles in XY at two or three feeds, both ways round, and `truth.json`.
+
+    Lost motion along X and Y, a squareness, and where a truth says so how the drives follow
+    unequally. The ballbar warms: its radius wanders while the runs are made.
+    """
+    folder.mkdir(parents=True)
+    random = np.random.default_rng(seed)
+    radius = float(random.choice([100.0, 150.0]))
+    u_um = float(random.choice([0.3, 0.5, 1.0]))
+    lost_um = random.uniform(3.0, 15.0, 2) * random.choice([-1, 1], 2)
+    lean_urad = random.uniform(12.0, 45.0) * random.choice([-1, 1])
+    unequal_s = random.uniform(2e-4, 6e-4) * (random.random() < 0.5) * random.choice([-1, 1])
+    take_up_mm = random.uniform(0.005, 0.03, 2)
+    warms_um_per_s = random.uniform(-1.5, 1.5) / 100.0
+    noise_um = u_um * random.uniform(0.7, 1.4)
+    rows, begins_s = [], 0.0
+    for feed in random.choice(
+        [500.0, 1000.0, 2000.0, 3000.0], random.integers(2, 4), replace=False
+    ):
+        for way, name in ((1, "ccw"), (-1, "cw")):
+            turn_s = 120.0 * np.pi * radius / feed
+            share = np.arange(240) / 240.0
+            angle = way * (2.0 * np.pi * share + np.radians(0.5))
+            begins_s += 0.5 * turn_s
+            deviation_um = _circle_um(
+                angle, way, radius, lost_um, take_up_mm, lean_urad, unequal_s * feed / 60.0 / radius
+            )
+            seconds = begins_s + share * turn_s
+            value = deviation_um + warms_um_per_s * seconds + noise_um * random.standard_normal(240)
+            angle_deg = np.degrees(angle) % 360.0
+            rows += [
+                f"{name},{feed:g},{a:.4f},{t:.3f},{v:.2f}"
+                for a, t, v in zip(angle_deg, seconds, value + 7.0, strict=True)
+            ]
+            begins_s += 1.5 * turn_s + random.uniform(1.0, 10.0)
+    ballbar = measurement(
+        "ballbar", plane="XY", centre_mm=[-200, -150, -150], radius_mm=radius, u_um=u_um
+    )
+    _write(folder, ballbar)
+    head = "run,feed_mm_min,angle_deg,t_s,radius_um"
+    (folder / "ballbar.csv").write_text("\n".join([head, *rows]) + "\n")
+    hidden = [["backlash X"], ["backlash Y"], ["squareness C0Y"]]
+    hidden += [["servo_mismatch XY"]] * bool(unequal_s)
+    _tell(folder, hidden, {"u_um": u_um, "lost_um": lost_um.tolist(), "lean_urad": lean_urad})
+
+
+def _circle_um(
+    angle: np.ndarray,
+    way: int,
+    radius: float,
+    lost_um: np.ndarray,
+    take_up_mm: np.ndarray,
+    lean_urad: float,
+    lag_rad: float,
+) -> np.ndarray:
+    """How far a circle is run too wide, (n,) um, after a turn in which both axes have reversed.
+
+    Half the lost motion lags behind each direction, taken up over some travel; Y that leans moves
+    X by its way; and where one drive lags by an angle more than the other the circle is an ellipse.
+    """
+    place = np.stack([np.cos(angle), np.sin(angle)])
+    side = way * np.array([-np.sin(angle), np.cos(angle)])
+    away_um = np.zeros_like(place)
+    for k in (0, 1):
+        # from where an axis turned: at the ends of its own stroke
+        since_mm = radius * (1.0 - np.abs(place[k]))
+        since_mm = np.where(place[k] * side[k] > 0.0, 2.0 * radius - since_mm, since_mm)
+        taken_up = 1.0 - 2.0 * np.exp(-since_mm / take_up_mm[k])
+        away_um[k] -= 0.5 * lost_um[k] * np.sign(side[k]) * taken_up
+    away_um[0] -= 1e-3 * lean_urad * radius * place[1]
+    away_um += 1e3 * radius * 0.5 * lag_rad * np.array([[1.0], [-1.0]]) * side
+    return np.sum(away_um * place, axis=0)
 
 
 def _write(folder: Path, instrument: str, program: str | None = None) -> None:

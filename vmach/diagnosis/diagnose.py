@@ -12,12 +12,13 @@ from vmach.base.note import Kind, Level, Note
 from vmach.diagnosis.candidate_scores import CandidateScore, candidate_scores
 from vmach.diagnosis.findings import Finding, findings_of, something_unknown
 from vmach.diagnosis.inference.prepare import prepare_weighing
-from vmach.diagnosis.inference.remains import is_structure, of_device_um
+from vmach.diagnosis.inference.remains import is_structure
 from vmach.diagnosis.inference.rules import TRUST
 from vmach.diagnosis.inference.verdicts import Inference, Weak, infer
 from vmach.diagnosis.inference.weighing import Weighing
 from vmach.diagnosis.next_test.blind_spots import BlindSpot, blind_spots
 from vmach.diagnosis.next_test.next_measurement import NextMeasurement, next_measurement
+from vmach.diagnosis.parts_of_rest import of_device_um, remains_by_um
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.residuals.where_it_fails import Failure, where_it_fails
@@ -48,6 +49,8 @@ class Diagnosis:
         Effects that the readings speak for, though not clearly.
     remains_um : float
         Root mean square of what neither effects nor noise explain.
+    remains_by_um : dict
+        Its main parts, in words, with the root mean square of each; empty where no structure is.
     proposals : tuple of Proposal
         Forms for what remains, the most probable first.
     rms_um : dict
@@ -66,6 +69,7 @@ class Diagnosis:
     findings: tuple[Finding, ...]
     weak: tuple[Weak, ...]
     remains_um: float
+    remains_by_um: dict[str, float]
     proposals: tuple[Proposal, ...]
     rms_um: dict[str, float]
     candidates: tuple[CandidateScore, ...]
@@ -115,6 +119,7 @@ def diagnose(
         findings=findings,
         weak=found.weak,
         remains_um=found.remains_um,
+        remains_by_um=remains_by_um(found) if found.is_structure else {},
         proposals=found.proposals,
         rms_um=residuals.rms_um,
         candidates=candidate_scores(weighing, residuals.rms_um["before"]),

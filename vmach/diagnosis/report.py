@@ -37,6 +37,7 @@ def as_json(found: Diagnosis, *, program: str | None = None) -> dict[str, Any]:
         "effects": [_finding(finding) for finding in found.findings],
         "weak_effects": [_weak(weak) for weak in found.weak],
         "remains_um": round(found.remains_um, 3),
+        "remains_by_um": {name: round(size, 3) for name, size in found.remains_by_um.items()},
         "proposals": [_proposal(p) for p in found.proposals],
         "rms_um": _rounded_rms(found.rms_um),
         "measurements": [
@@ -140,7 +141,8 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
     for finding in found.findings:
         lines += _finding_lines(finding, is_told_apart=found.next_measurement is not None)
     if found.verdict in ("partly", "unknown"):
-        lines.append(f"  what remains beside noise: {found.remains_um:.2f} um RMS")
+        parts = "; ".join(f"{name} {size:.2f}" for name, size in found.remains_by_um.items())
+        lines.append(f"  what remains beside noise: {found.remains_um:.2f} um RMS; {parts}")
     for number, p in enumerate(found.proposals, 1):
         without, with_it = p.held_out_um
         lines.append(

@@ -125,6 +125,13 @@ class Survey:
             [np.char.add(f"{k}:", m.group.astype(str)) for k, m in enumerate(self.measurements)]
         )
 
+    def zeros_of_runs(self, values: np.ndarray) -> np.ndarray:
+        """Mean of values (n,) over the run of an instrument, for each reading; zero on parts."""
+        _, number = np.unique(self.group, return_inverse=True)
+        mean = np.bincount(number, values) / np.bincount(number)
+        on_part = np.concatenate([np.full(len(m), m.on_part) for m in self.measurements])
+        return np.where(on_part, 0.0, mean[number])
+
     @cached_property
     def blocks(self) -> np.ndarray:
         """Readings that are held out together, (n,) str: features, runs, stretches of a test."""

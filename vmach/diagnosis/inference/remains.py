@@ -5,24 +5,27 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.linalg import norm
 
 from vmach.base.units import um_from_mm
 from vmach.diagnosis.inference.rules import CLEARLY, STRUCTURE, TRUST
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
-from vmach.fit.noise.measuring_machine import CLAMPINGS, DRIFT, stated_of_device
+from vmach.fit.noise.measuring_machine import CLAMPINGS, DRIFT
 
 __all__ = [
+    "OF_DEVICE",
+    "effects_mm",
     "is_structure",
-    "of_device_um",
     "remains_mm",
     "remains_um",
     "sizes_um",
+    "taken_mm",
     "usual_u_um",
     "where_they_act_um",
 ]
 
 #: members that are of the measurement, whatever their size
-_OF_DEVICE = (CLAMPINGS, DRIFT)
+OF_DEVICE = (CLAMPINGS, DRIFT)
 #: normals that lean less out of the plane than this are those of walls: steeper than 60 degrees
 _WALL = 0.5
 #: fewer readings say nothing of a variance: of 20 it is uncertain by a third (GUM, table E.1)
@@ -47,28 +50,11 @@ def remains_mm(weighing: Weighing, found: Explanation) -> np.ndarray:
 
     What clampings and drift of the measuring machine make is of the measurement, and no rest.
     """
-    names = [name for name in weighing.members.names if name not in _OF_DEVICE]
-    return _taken_mm(weighing, found, names)
+    names = [name for name in weighing.members.names if name not in OF_DEVICE]
+    return taken_mm(weighing, found, names)
 
 
-def of_device_um(weighing: Weighing, found: Explanation) -> dict[str, float]:
-    """Root mean square of what the measuring machine did to the readings, by name.
-
-    Source: closed form derived here: columns F of unit variance take F F^T C^-1 y of readings y
-    whose covariance is C.
-    """
-    names = [name for name in weighing.members.names if name in _OF_DEVICE]
-    taken = {name: _taken_mm(weighing, found, [name]) for name in names}
-    survey, whiten = weighing.survey, found.posterior.whiten
-    white = whiten(survey.residual_mm)
-    for name, columns in stated_of_device(survey).items():
-        if columns.any():  # else not stated
-            own = columns @ (whiten(columns).T @ white)
-            taken[name] = own - survey.aligned(own[:, None])[:, 0]
-    return {name: _rms_um(own) for name, own in taken.items()}
-
-
-def _taken_mm(weighing: Weighing, found: Explanation, names: Sequence[str]) -> np.ndarray:
+def taken_mm(weighing: Weighing, found: Explanation, names: Sequence[str]) -> np.ndarray:
     """What some members of unknown size take of the aligned readings, (n,)."""
     members = weighing.members
     counts = np.array([members.names.index(name) + 1 for name in names], dtype=int)
@@ -92,7 +78,7 @@ def remains_um(
     count : int, optional
         So many of its terms, the first, are shown; what the others do remains.
     """
-    others = [] if count is None else _effects_mm(weighing, found)[count:]
+    others = [] if count is None else effects_mm(weighing, found)[count:]
     scatter_um = _scatter_um(weighing, found, noise)
     return float(np.hypot(_rms_um(sum(others, remains_mm(weighing, found))), scatter_um))
 
@@ -106,18 +92,22 @@ def where_they_act_um(
     imitation leaves structure, and single readings have scatter of their own; but scatter that
     knows the axes is the machine's. Nor is what other terms do a rest; but one that follows the
     travel is a doubt about an effect that does, where it acts most where the effect does: the mean
-    of such a cause is an effect of motion beside its form.
+    of such a cause is an effect of motion beside its form. What remains as offsets of an
+    instrument's runs, as its zero wanders, is a doubt about an effect as far as that does so too.
     """
-    every = [um_from_mm(own) for own in _effects_mm(weighing, found)]
+    every = [um_from_mm(own) for own in effects_mm(weighing, found)]
     left, terms = um_from_mm(remains_mm(weighing, found)), found.terms
+    zeros = weighing.survey.zeros_of_runs(left)
     uneven = _uneven(weighing, found) * usual_u_um(weighing) ** 2
     sizes, rests = [], []
     for term, own in zip(terms[:count], every, strict=False):
         beside = zip(terms[count:], every[count:], strict=True)
         moved = [o for t, o in beside if t.effect.follows_travel and term.effect.follows_travel]
         alike = [o for o in moved if _rms_where(o, own) > np.sqrt(np.mean(o**2))]
+        as_zeros = norm(weighing.survey.zeros_of_runs(own)) / max(norm(own), 1e-300)
+        rest = sum(alike, left) - (1.0 - as_zeros) * zeros
         sizes.append(_rms_where(own, own))
-        rests.append(_rms_where(np.sqrt(sum(alike, left) ** 2 + uneven), own))
+        rests.append(_rms_where(np.sqrt(rest**2 + uneven), own))
     return sizes, rests
 
 
@@ -169,10 +159,10 @@ def _rms_um(values_mm: np.ndarray) -> float:
 
 def sizes_um(weighing: Weighing, found: Explanation) -> Sequence[float]:
     """Root mean square of what each effect does to the aligned readings."""
-    return tuple(map(_rms_um, _effects_mm(weighing, found)))
+    return tuple(map(_rms_um, effects_mm(weighing, found)))
 
 
-def _effects_mm(weighing: Weighing, found: Explanation) -> Sequence[np.ndarray]:
+def effects_mm(weighing: Weighing, found: Explanation) -> Sequence[np.ndarray]:
     """What each effect does to the readings, alignment and zeros taken off, (n,) each."""
     if found.fit is None:
         return ()

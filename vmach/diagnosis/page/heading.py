@@ -46,7 +46,8 @@ def headline(found: Diagnosis) -> tuple[str, str]:
         f"Measured minus predicted falls from {rms['before']:.2f} to {rms['after']:.2f} um RMS"
         f", where {expected(found.residuals)} make {rms['expected_noise']:.2f} um"
     )
-    remains = f"{found.remains_um:.2f} um RMS of something else remain beside noise"
+    parts = ", ".join(f"{name} {size:.2f}" for name, size in found.remains_by_um.items())
+    remains = f"{found.remains_um:.2f} um RMS of something else remain beside noise ({parts})"
     if found.verdict == "nothing":
         return (
             "The measurements agree with the model",

@@ -129,15 +129,29 @@ def members_of(survey: Survey, plain_mm: np.ndarray | None = None) -> Members:
 def _offsets(survey: Survey) -> dict[str, np.ndarray]:
     """An offset of each group of readings: floors, walls and runs have a size of their own."""
     names, number = np.unique(survey.group, return_inverse=True)
-    inside = np.eye(len(names))[number]
+    inside = _beyond_size_of_tools(survey, np.eye(len(names))[number])
     on_part = np.concatenate([np.full(len(m), m.on_part) for m in survey.measurements])
     upright = np.bincount(number, np.abs(survey.sensing[:, 2])) / np.bincount(number) > _UPRIGHT
     of_part = np.bincount(number, on_part) > 0
     return {
-        "floors": inside[:, of_part & upright],
-        "walls": inside[:, of_part & ~upright],
+        "floors": _seen(inside[:, of_part & upright]),
+        "walls": _seen(inside[:, of_part & ~upright]),
         "runs": inside[:, ~of_part],
     }
+
+
+def _beyond_size_of_tools(survey: Survey, offsets: np.ndarray) -> np.ndarray:
+    """Offsets (n, k) of groups, those of diameters about the mean of all that a tool made.
+
+    That mean is no offset: it is the size of the tool.
+    """
+    tool = np.concatenate([path.tool for path in survey.paths])
+    of_holes = [np.full(len(m), m.contacts is not None) for m in survey.measurements]
+    is_diameter = np.concatenate(of_holes) & ~survey.sensing.any(axis=1)
+    for one in np.unique(tool[is_diameter]):
+        rows = is_diameter & (tool == one)
+        offsets[rows] -= offsets[rows].mean(axis=0)
+    return offsets
 
 
 def _forms(survey: Survey) -> np.ndarray:

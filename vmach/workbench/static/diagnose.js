@@ -74,7 +74,8 @@ function verdict(found) {
     ...found.effects.map((one) => card(one, found)),
   ];
   if (["partly", "unknown"].includes(found.verdict)) {
-    rows.push(el("p", {}, "What remains beside noise: ", el("b", {}, fixed(found.remains_um)), " µm RMS. ",
+    rows.push(el("p", {}, "What remains beside noise: ", el("b", {}, fixed(found.remains_um)), " µm RMS",
+      ...Object.entries(found.remains_by_um).map(([name, size], k) => `${k ? ", " : ": "}${name} ${fixed(size)}`), ". ",
       found.proposals.length ? "The tab Own law has forms for it." : ""));
     rows.push(...found.where_it_fails.slice(0, 3).map((one) => el("p", { class: "remark" }, micro(one.text))));
   }
