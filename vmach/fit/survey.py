@@ -125,6 +125,11 @@ class Survey:
             [np.char.add(f"{k}:", m.group.astype(str)) for k, m in enumerate(self.measurements)]
         )
 
+    @property
+    def has_part(self) -> bool:
+        """Whether a machined part was measured."""
+        return any(m.on_part for m in self.measurements)
+
     def zeros_of_runs(self, values: np.ndarray) -> np.ndarray:
         """Mean of values (n,) over the run of an instrument, for each reading; zero on parts."""
         _, number = np.unique(self.group, return_inverse=True)

@@ -125,6 +125,8 @@ class Instrument(FileSection):
     sign_meaning: ClassVar[str]
     #: what the instrument leaves free, in a word or two
     left_free: ClassVar[str]
+    #: whether it reads its own length in ever other directions, so that this may drift by itself
+    turns: ClassVar[bool] = False
     #: effects that are a result of this test by its standard; {axis} is the one that it senses
     results: ClassVar[tuple[str, ...]] = ()
     #: those that its readings are by definition, whatever else does the same to them

@@ -10,7 +10,7 @@ from numpy.linalg import norm
 from vmach.base.units import um_from_mm
 from vmach.diagnosis.inference.rules import CLEARLY, STRUCTURE, TRUST
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
-from vmach.fit.noise.measuring_machine import CLAMPINGS, DRIFT
+from vmach.fit.noise.measuring_machine import CLAMPINGS, DRIFT, WARMING
 
 __all__ = [
     "OF_DEVICE",
@@ -25,7 +25,7 @@ __all__ = [
 ]
 
 #: members that are of the measurement, whatever their size
-OF_DEVICE = (CLAMPINGS, DRIFT)
+OF_DEVICE = (CLAMPINGS, DRIFT, WARMING)
 #: normals that lean less out of the plane than this are those of walls: steeper than 60 degrees
 _WALL = 0.5
 #: fewer readings say nothing of a variance: of 20 it is uncertain by a third (GUM, table E.1)

@@ -13,6 +13,7 @@ from vmach.diagnosis.proposals.spots import Spots
 from vmach.diagnosis.proposals.states import (
     ALL_AXES,
     CONSTANT,
+    CUT,
     DIRECTIONS,
     HALF_TURNS,
     TURNS,
@@ -190,6 +191,8 @@ def _candidate(form: Form, columns: np.ndarray) -> Candidate:
 def _states(survey: Survey) -> dict[State, np.ndarray]:
     """All states that differ among the readings, with their values (n, C)."""
     listed = dict.fromkeys(state for path in survey.paths for state in states_of(path))
+    if not survey.has_part:
+        listed = {state: None for state in listed if state.kind not in CUT}
     found: dict[State, np.ndarray] = {CONSTANT: np.ones((len(survey), 1))}
     for state in listed:
         value = _values(survey, state)

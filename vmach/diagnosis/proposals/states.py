@@ -113,8 +113,8 @@ MOTION = frozenset({
 })  # fmt: skip
 #: kinds of states that nothing has without cutting
 CUT = frozenset({
-    "cutting length", "feed per tooth", "depth", "height above the tip", "chip load",
-    "side of the wall", "direction of the wall",
+    "cutting length", "wave in cutting length", "feed per tooth", "depth", "height above the tip",
+    "chip load", "side of the wall", "direction of the wall",
 })  # fmt: skip
 CONSTANT = State("constant", "", "np.ones(len(path))")
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.fft import next_fast_len, rfft
 
-from vmach.diagnosis.proposals.states import ALL_AXES, DIRECTIONS, Direction, State
+from vmach.diagnosis.proposals.states import ALL_AXES, CUT, DIRECTIONS, Direction, State
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import orthonormal
 from vmach.machine import LINEAR_AXES
@@ -136,6 +136,8 @@ def wave_states(
     alignment = orthonormal((survey.nuisance * scale[:, None])[_spread(len(survey))])
     for argument in _ARGUMENTS:
         if argument.is_high_frequency and not with_high_frequency:
+            continue
+        if argument.kind in CUT and not survey.has_part:
             continue
         along = argument.of(survey, argument.code)
         height = argument.of(survey, argument.height)[:, None] if argument.height else 1.0

@@ -19,9 +19,11 @@ from vmach.effects.wandering import wandering
 from vmach.fit.noise.measuring_machine import (
     CLAMPINGS,
     DRIFT,
+    WARMING,
     clampings,
     drift_of_device,
     stated_of_device,
+    warming_of_instruments,
 )
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import condensed, orthonormal
@@ -119,6 +121,7 @@ def members_of(survey: Survey, plain_mm: np.ndarray | None = None) -> Members:
         "bend": unit * _bend(survey),
         CLAMPINGS: unit * clampings(survey),
         DRIFT: _told_apart(survey, unit * drift_of_device(survey)),
+        WARMING: _told_apart(survey, unit * warming_of_instruments(survey)),
     }
     device = np.hstack([*stated_of_device(survey).values()])
     fixed = condensed(np.hstack([survey.factors, device]), survey.u_mm, least=_LEAST_VARIANCE)
@@ -171,11 +174,19 @@ def _places(survey: Survey) -> np.ndarray:
     """An offset of each place that an instrument comes back to, (n, K).
 
     What a short piece of a screw or of a scale does is the same in every run; repeated runs are no
-    further evidence of what it follows (ISO 230-2, mean deviation of a position).
+    further evidence of what it follows (ISO 230-2, mean deviation of a position). About a straight
+    line, as a slope is no error of single places.
     """
-    places = [_place_of(m) for m in survey.measurements]
-    # of an instrument that does not come back no place counts
-    return block_diag(*(np.eye(p.max() + 1)[p][:, slice(None if p.any() else 0)] for p in places))
+    blocks = []
+    for m in survey.measurements:
+        place = _place_of(m)
+        # of an instrument that does not come back no place counts
+        own = np.eye(place.max() + 1)[:, slice(None if place.any() else 0)]
+        nose = np.zeros((len(own), 3))
+        nose[place] = m.states.nose_mm
+        line = orthonormal(np.column_stack([np.ones(len(own)), nose]))
+        blocks.append((own - line @ (line.T @ own))[place])
+    return block_diag(*blocks)
 
 
 def _reversals(survey: Survey) -> np.ndarray:
@@ -223,7 +234,9 @@ def _in_time(survey: Survey) -> np.ndarray:
 
 
 def _field(survey: Survey) -> np.ndarray:
-    """Smooth displacement of the tool over the volume, along X, Y and Z, (n, K)."""
+    """Smooth displacement of the tool over the volume, along X, Y and Z, (n, K); no tilt of it."""
+    of_tilts = [np.full(len(m), m.states.arm_mm is not None) for m in survey.measurements]
+    sensing = np.where(np.concatenate(of_tilts)[:, None], 0.0, survey.sensing)
     nose = np.vstack([path.nose_mm for path in survey.paths])
     low, high = nose.min(axis=0), nose.max(axis=0)
     share = (nose - low) / np.maximum(high - low, 50.0)
@@ -231,7 +244,7 @@ def _field(survey: Survey) -> np.ndarray:
     for degrees in itertools.product(range(_FIELD_DEGREE + 1), repeat=3):
         if 1 <= sum(degrees) <= _FIELD_DEGREE:
             wave = np.cos(np.pi * share * np.array(degrees)).prod(axis=1)
-            parts.append(survey.sensing * wave[:, None] / sum(degrees))
+            parts.append(sensing * wave[:, None] / sum(degrees))
     return _seen(np.hstack(parts))
 
 

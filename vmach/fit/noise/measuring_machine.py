@@ -17,10 +17,19 @@ from vmach.fit.survey import Survey
 from vmach.job.inspection import Device
 from vmach.measurements import Measurement
 
-__all__ = ["CLAMPINGS", "DRIFT", "clampings", "drift_of_device", "stated_of_device"]
+__all__ = [
+    "CLAMPINGS",
+    "DRIFT",
+    "WARMING",
+    "clampings",
+    "drift_of_device",
+    "stated_of_device",
+    "warming_of_instruments",
+]
 
 #: names of what is known of it, or told by the readings
 CLAMPINGS, DRIFT = "clampings", "drift of the measuring machine"
+WARMING = "length of the instrument as it warms"
 SCALES = "scales and squareness of the measuring machine"
 FORM, FEATURES = "form of the probing", "offsets of features"
 INSTRUMENT = "scale of the instrument"
@@ -66,6 +75,19 @@ def drift_of_device(survey: Survey) -> np.ndarray:
         span = max(float(np.ptp(m.measured_at)), 1e-9)
         waves = wandering(m.measured_at, span / _WAVES)
         blocks.append((m.sensing[:, :, None] * waves[:, None, :]).reshape(len(m), -1))
+    return block_diag(*blocks)
+
+
+def warming_of_instruments(survey: Survey) -> np.ndarray:
+    """How the length of instruments that turn wanders with their clock, of unit variance, (n, K).
+
+    Of those that do not turn, the tool that wanders along the axis reads the same.
+    """
+    blocks = []
+    for path, m in zip(survey.paths, survey.measurements, strict=True):
+        span = max(float(np.ptp(path.time_s)), 1e-9)
+        waves = wandering(path.time_s, span / _WAVES)
+        blocks.append(waves if m.instrument.turns else np.zeros((len(m), 0)))
     return block_diag(*blocks)
 
 

@@ -35,6 +35,7 @@ class Ballbar(Instrument):
     readings = ("radius_um",)
     sign_meaning = "radius_um is positive where the tool is further out than programmed"
     left_free = "radius and centre"
+    turns = True
     abreast = 3
     commonness = 3
 
