@@ -581,14 +581,26 @@ def test_readings_that_are_what_was_predicted_have_plain_noise(tmp_path):
 
 
 def test_a_measurement_that_is_not_followed_is_noted():
+    """Odd readings, and what the measuring machine did, are told elsewhere: they do not count."""
     rms = {
-        "part.csv": {"before": 4.0, "after": 0.9, "expected_noise": 0.8},
+        "part.csv": {"before": 4.0, "after": 9.0, "expected_noise": 0.8},
         "drift.csv": {"before": 3.0, "after": 1.2, "expected_noise": 0.3},
     }
-    residuals = SimpleNamespace(fit="some", rms_um_by_measurement=list(rms.items()))
-    (note,) = not_followed(SimpleNamespace(is_structure=False), residuals)
+    after_mm = 1e-3 * np.array([0.9, -0.9, 18.0, 1.2, -1.2])
+    weight = np.array([1.0, 1.0, 0.01, 1.0, 1.0])
+    survey = SimpleNamespace(rows=(slice(0, 3), slice(3, 5)))
+    weighing = SimpleNamespace(
+        survey=survey, base=SimpleNamespace(noise=SimpleNamespace(weight=weight))
+    )
+    residuals = SimpleNamespace(
+        fit="some", rms_um_by_measurement=list(rms.items()), after_mm=after_mm
+    )
+    found = SimpleNamespace(is_structure=False, weighing=weighing)
+    (note,) = not_followed(found, residuals, {})
     assert "does not follow drift.csv: 1.2 um RMS are left where noise makes 0.3" in str(note)
-    assert not [*not_followed(SimpleNamespace(is_structure=True), residuals)]
+    of_device = {"scale of the instrument": np.array([0.0, 0.0, 0.0, 1.2e-3, -1.2e-3])}
+    assert not [*not_followed(found, residuals, of_device)]
+    assert not [*not_followed(SimpleNamespace(is_structure=True), residuals, {})]
 
 
 def test_each_measurement_has_its_residual(tmp_path):

@@ -9,6 +9,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from vmach.base.note import Kind, Level, Note
+from vmach.base.units import um_from_mm
 from vmach.diagnosis.candidate_scores import CandidateScore, candidate_scores
 from vmach.diagnosis.findings import Finding, findings_of, something_unknown
 from vmach.diagnosis.inference.prepare import prepare_weighing
@@ -18,7 +19,7 @@ from vmach.diagnosis.inference.verdicts import Inference, Weak, infer
 from vmach.diagnosis.inference.weighing import Weighing
 from vmach.diagnosis.next_test.blind_spots import BlindSpot, blind_spots
 from vmach.diagnosis.next_test.next_measurement import NextMeasurement, next_measurement
-from vmach.diagnosis.parts_of_rest import of_device_um, remains_by_um
+from vmach.diagnosis.parts_of_rest import of_device_mm, remains_by_um
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.residuals.where_it_fails import Failure, where_it_fails
@@ -51,6 +52,8 @@ class Diagnosis:
         Root mean square of what neither effects nor noise explain.
     remains_by_um : dict
         Its main parts, in words, with the root mean square of each; empty where no structure is.
+    of_device_um : dict
+        What was counted as of the measurement, by name, where it is notable.
     proposals : tuple of Proposal
         Forms for what remains, the most probable first.
     rms_um : dict
@@ -70,6 +73,7 @@ class Diagnosis:
     weak: tuple[Weak, ...]
     remains_um: float
     remains_by_um: dict[str, float]
+    of_device_um: dict[str, float]
     proposals: tuple[Proposal, ...]
     rms_um: dict[str, float]
     candidates: tuple[CandidateScore, ...]
@@ -113,6 +117,9 @@ def diagnose(
     failures = where_it_fails(survey, residuals.noise.whiten, survey.residual_mm)
     if verdict == "unknown":
         findings = (something_unknown(failures),)
+    of_device = of_device_mm(weighing, explanation)
+    sizes_um = {name: _rms_um(taken) for name, taken in of_device.items()}
+    notable = {name: size for name, size in sizes_um.items() if is_structure(weighing, size)}
     tell("what to measure next")
     return Diagnosis(
         verdict=verdict,
@@ -120,6 +127,7 @@ def diagnose(
         weak=found.weak,
         remains_um=found.remains_um,
         remains_by_um=remains_by_um(found) if found.is_structure else {},
+        of_device_um=notable,
         proposals=found.proposals,
         rms_um=residuals.rms_um,
         candidates=candidate_scores(weighing, residuals.rms_um["before"]),
@@ -132,9 +140,9 @@ def diagnose(
             *_of_survey(found),
             *_doubtful_uncertainty(found),
             *_outliers(found),
-            *_device(found),
+            *_device(notable),
             *_cancelling(found, residuals.rms_um),
-            *not_followed(found, residuals),
+            *not_followed(found, residuals, of_device),
         ),
         residuals=residuals,
     )
@@ -176,15 +184,14 @@ def _doubtful_uncertainty(found: Inference) -> tuple[Note, ...]:
     return ()
 
 
-def _device(found: Inference) -> Iterator[Note]:
-    """A note on what the measuring machine did to the readings, where it is notable."""
-    for name, size_um in of_device_um(found.weighing, found.explanation).items():
-        if is_structure(found.weighing, size_um):
-            said = (
-                f"{name}: {size_um:.2g} um RMS of the readings, counted as of the measurement; "
-                "what the machine tool does alike cannot be told from it"
-            )
-            yield Note.plain(Kind.SCATTER, said, size_um, "um", place=name)
+def _device(notable_um: Mapping[str, float]) -> Iterator[Note]:
+    """A note on each thing that the measuring machine did to the readings."""
+    for name, size_um in notable_um.items():
+        said = (
+            f"{name}: {size_um:.2g} um RMS of the readings, counted as of the measurement; "
+            "what the machine tool does alike cannot be told from it"
+        )
+        yield Note.plain(Kind.SCATTER, said, size_um, "um", place=name)
 
 
 def _cancelling(found: Inference, rms_um: Mapping[str, float]) -> tuple[Note, ...]:
@@ -199,20 +206,32 @@ def _cancelling(found: Inference, rms_um: Mapping[str, float]) -> tuple[Note, ..
     return (Note.question(Kind.CANCELLING, said, after, "um", place="residual"),)
 
 
-def not_followed(found: Inference, residuals: Residuals) -> Iterator[Note]:
+def not_followed(
+    found: Inference, residuals: Residuals, of_device: Mapping[str, np.ndarray]
+) -> Iterator[Note]:
     """A note on each measurement that what was found does not follow: laws may be as inexact.
 
-    Of what remains as structure the verdict speaks.
+    Of what remains as structure the verdict speaks; of odd readings, and of what the measuring
+    machine did, other notes.
     """
     if found.is_structure or residuals.fit is None:
         return
-    for name, rms in residuals.rms_um_by_measurement:
-        if rms["after"] > TRUST * rms["expected_noise"]:
+    left_mm = sum(of_device.values(), -residuals.after_mm)
+    counts = found.weighing.base.noise.weight >= _LITTLE
+    survey = found.weighing.survey
+    each = zip(survey.rows, residuals.rms_um_by_measurement, strict=True)
+    for rows, (name, rms) in each:
+        left_um = _rms_um(left_mm[rows][counts[rows]])
+        if left_um > TRUST * rms["expected_noise"]:
             said = (
-                f"what was found does not follow {name}: {rms['after']:.2g} um RMS are left where "
+                f"what was found does not follow {name}: {left_um:.2g} um RMS are left where "
                 f"noise makes {rms['expected_noise']:.2g}, counted as inexactness of the laws"
             )
-            yield Note.plain(Kind.SCATTER, said, rms["after"], "um", place=name)
+            yield Note.plain(Kind.SCATTER, said, left_um, "um", place=name)
+
+
+def _rms_um(values_mm: np.ndarray) -> float:
+    return float(um_from_mm(np.sqrt(np.mean(values_mm**2)))) if len(values_mm) else 0.0
 
 
 def _outliers(found: Inference) -> tuple[Note, ...]:

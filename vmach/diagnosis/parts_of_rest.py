@@ -10,7 +10,7 @@ from vmach.diagnosis.inference.verdicts import Inference
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.noise.measuring_machine import stated_of_device
 
-__all__ = ["of_device_um", "remains_by_um"]
+__all__ = ["of_device_mm", "remains_by_um"]
 
 #: members of the discrepancy, for people
 _WORDS = {
@@ -50,8 +50,8 @@ def remains_by_um(found: Inference) -> dict[str, float]:
     return {name: size for name, size in largest if size > max(least, 1e-3)}
 
 
-def of_device_um(weighing: Weighing, found: Explanation) -> dict[str, float]:
-    """Root mean square of what the measuring machine did to the readings, by name.
+def of_device_mm(weighing: Weighing, found: Explanation) -> dict[str, np.ndarray]:
+    """What the measuring machine did to the readings, by name, (n,) each.
 
     Source: closed form derived here: columns F of unit variance take F F^T C^-1 y of readings y
     whose covariance is C.
@@ -64,7 +64,7 @@ def of_device_um(weighing: Weighing, found: Explanation) -> dict[str, float]:
         if columns.any():  # else not stated
             own = columns @ (whiten(columns).T @ white)
             taken[name] = own - survey.aligned(own[:, None])[:, 0]
-    return {name: _rms_um(own) for name, own in taken.items()}
+    return taken
 
 
 def _rms_um(values_mm: np.ndarray) -> float:

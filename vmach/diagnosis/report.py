@@ -14,7 +14,15 @@ from vmach.diagnosis.inference.verdicts import Weak
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.residuals.where_it_fails import Failure
 from vmach.diagnosis.rivals import OtherSet
-from vmach.diagnosis.words import RELATIVE, describe, expected, rounded, title_of, weak_words
+from vmach.diagnosis.words import (
+    RELATIVE,
+    counted_as_of_measurement,
+    describe,
+    expected,
+    rounded,
+    title_of,
+    weak_words,
+)
 from vmach.effects.declaration import unit_of
 from vmach.files.atomic import atomic_file
 
@@ -37,6 +45,7 @@ def as_json(found: Diagnosis, *, program: str | None = None) -> dict[str, Any]:
         "effects": [_finding(finding) for finding in found.findings],
         "weak_effects": [_weak(weak) for weak in found.weak],
         "remains_um": round(found.remains_um, 3),
+        "of_measurement_um": {name: round(size, 3) for name, size in found.of_device_um.items()},
         "remains_by_um": {name: round(size, 3) for name, size in found.remains_by_um.items()},
         "proposals": [_proposal(p) for p in found.proposals],
         "rms_um": _rounded_rms(found.rms_um),
@@ -71,7 +80,7 @@ def _weak(weak: Weak) -> dict[str, Any]:
         "target": weak.term.target or None,
         "log_odds": round(weak.support.odds, 2),
         "probability": round(weak.support.probability, 3),
-        "why": weak.why,
+        "why": weak_words(weak),
         "status": "weak",
     }
 
@@ -202,6 +211,8 @@ def words_of_add(found: Diagnosis) -> str:
 def _verdict_line(found: Diagnosis) -> str:
     if found.verdict == "class" and any(f.status == "shown" for f in found.findings):
         return "The model lacks these; of some these measurements show no more than a class:"
+    if found.verdict == "nothing" and found.of_device_um:
+        return f"{_VERDICTS['nothing']} {counted_as_of_measurement(found.of_device_um)}"
     return _VERDICTS[found.verdict]
 
 

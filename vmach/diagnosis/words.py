@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from vmach.machine.component_errors import component_of
 
 __all__ = [
     "RELATIVE",
+    "counted_as_of_measurement",
     "describe",
     "expected",
     "rounded",
@@ -74,6 +76,12 @@ def weak_words(weak: Weak) -> str:
     return f"log odds {support.odds:.1f}, but to {imitation:.0f} % an imitation of something else"
 
 
+def counted_as_of_measurement(sizes_um: Mapping[str, float]) -> str:
+    """A sentence on what the readings hold that a verdict counts as of the measurement."""
+    each = ", ".join(f"{name} {size:.2g} um" for name, size in sizes_um.items())
+    return f"Counted as of the measurement: {each}."
+
+
 def with_unit(parameter: str, value: float) -> str:
     """A value of a parameter with the unit that stands at the end of its name."""
     unit = parameter.rsplit("_", 1)[-1]
@@ -81,8 +89,12 @@ def with_unit(parameter: str, value: float) -> str:
 
 
 def rounded(value: float, interval: tuple[float, float]) -> tuple[str, str, str]:
-    """A value and the ends of its interval; two digits of the interval's half width count."""
+    """A value and the ends of its interval; two digits of the interval's half width count.
+
+    Two of the value at least: parameters that are uncertain together still make one effect.
+    """
     half = max(0.5 * (interval[1] - interval[0]), 1e-3 * abs(value), 1e-12)
+    half = min(half, abs(value) or half)
     digits = 1 - math.floor(math.log10(half))
     own, low, high = (f"{round(x, digits):.{max(digits, 0)}f}" for x in (value, *interval))
     return own, low, high

@@ -21,6 +21,7 @@ from vmach.path.toolpath import PathStates
 
 __all__ = [
     "ALONG",
+    "ORDINARY_SCALE_PPM",
     "PLANNED_TOOL_LENGTH_MM",
     "STRETCHES",
     "along_line",
@@ -36,6 +37,9 @@ __all__ = [
 ALONG = ("dx_um", "dy_um", "dz_um")
 #: from spindle nose to tip, of tests that are planned
 PLANNED_TOOL_LENGTH_MM = 150.0
+#: standard uncertainty of the scale of a laser where none is stated; chosen: of the temperature of
+#: screw or scale a quarter of a kelvin is not known, at 11.5 ppm/K (ISO 230-2, ISO/TR 230-9)
+ORDINARY_SCALE_PPM = 3.0
 #: into how many stretches a test without runs is cut
 STRETCHES = 10
 #: s that an axis stands at a place of which no time was noted; chosen: a laser takes its reading

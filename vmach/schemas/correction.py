@@ -174,6 +174,8 @@ class DiagnosisFigures(Output):
     weak_effects: list[_Weak]
     remains_um: float
     """RMS of what remains beside noise."""
+    of_measurement_um: dict[str, float]
+    """RMS of what is counted as of the measurement, where it is notable."""
     remains_by_um: dict[str, float]
     """RMS of its main parts, by what they look like; empty where nothing notable remains."""
     proposals: list[_Proposal]

@@ -16,8 +16,8 @@ __all__ = ["BlindSpot", "blind_spots"]
 
 #: log evidence that an amplitude costs for being free, about
 _FREEDOM = 2.0
-#: so many usual sizes do not happen
-_NEVER = 1000
+#: so many usual sizes do not happen; chosen: half a millimetre of what is 5 um as a rule
+_NEVER = 100
 #: an effect that has to be this many times larger beside those found hides behind them
 _HIDDEN = 2.0
 #: effects found that are named one by one
@@ -73,7 +73,7 @@ def blind_spots(
     labels = sorted(explanation.labels)
     beside = " and ".join(labels) if len(labels) <= _FEW else f"the {len(labels)} effects found"
     beside = " and ".join(filter(None, [beside, "what remains" if remains else ""]))
-    beside = beside if is_named else "what comes nearest"
+    beside = (beside or "what else may vary") if is_named else "what comes nearest"
     untestable = [
         BlindSpot(effect.name, target, _first(effect), None, reason)
         for effect, target, reason in weighing.excluded

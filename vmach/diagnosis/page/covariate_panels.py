@@ -21,6 +21,11 @@ _WIDE = 1.96
 #: dots of one colour in a diagram, and classes in a list
 _MOST_DOTS, _MOST_ROWS = 1000, 9
 _ROW, _NAMES, _LETTERS = 22.0, 190.0, 29
+#: what stands for long words beside a row
+_SHORT = (
+    (", surfaces facing", " · facing"), (", readings along", " · along"),
+    (", diameters", " · diameters"), ("surfaces ", ""), ("readings ", ""), ("after ", ""),
+)  # fmt: skip
 #: of classes that cannot differ
 _CERTAIN = Chance(1.0, -np.inf)
 
@@ -158,7 +163,7 @@ def _some(count: int) -> np.ndarray:
 
 def _shortened(words: str) -> str:
     """What fits beside a row."""
-    for long, short in ((", surfaces facing", " · facing"), ("surfaces ", ""), ("after ", "")):
+    for long, short in _SHORT:
         words = words.replace(long, short)
     words = words.removeprefix("feature ")
     if len(words) > _LETTERS:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from vmach.diagnosis.diagnose import Diagnosis
 from vmach.diagnosis.findings import Finding
-from vmach.diagnosis.words import expected, rounded, title_of
+from vmach.diagnosis.words import counted_as_of_measurement, expected, rounded, title_of
 from vmach.effects import Effect
 from vmach.machine import LINEAR_AXES
 
@@ -53,7 +53,9 @@ def headline(found: Diagnosis) -> tuple[str, str]:
             "The measurements agree with the model",
             f"Nothing is missing that they could show: measured minus predicted is "
             f"{rms['before']:.2f} um RMS, {expected(found.residuals)} make "
-            f"{rms['expected_noise']:.2f} um.",
+            f"{rms['expected_noise']:.2f} um."
+            + f" {counted_as_of_measurement(found.of_device_um)}"
+            * bool(found.of_device_um),
         )
     if found.verdict == "unknown":
         return (

@@ -10,6 +10,7 @@ import numpy as np
 from vmach.effects import Circumstances
 from vmach.fit.survey import Survey
 from vmach.machine import LINEAR_AXES
+from vmach.measurements import Measurement
 
 __all__ = ["Covariate", "covariates"]
 
@@ -68,7 +69,7 @@ def covariates(survey: Survey) -> Iterator[Covariate]:
         _feed(survey),
         _time(survey),
         _classes("tool", "tool", _gathered(survey, lambda path: path.tool), "tool {}"),
-        _classes("normal", "direction of the surface", _facing(survey), "surfaces facing {}"),
+        _classes("normal", "direction of the surface or reading", _seen_as(survey), "{}"),
     ):
         if len(covariate) > 1:
             yield covariate
@@ -94,7 +95,7 @@ def _features(survey: Survey) -> Covariate:
 
 
 def _axes(survey: Survey) -> Iterator[Covariate]:
-    facing = _facing(survey)
+    seen_as = _seen_as(survey)
     for k, axis in enumerate(LINEAR_AXES):
         position = _gathered(survey, lambda path, k=k: path.nose_mm[:, k])
         yield _zones(
@@ -102,15 +103,15 @@ def _axes(survey: Survey) -> Iterator[Covariate]:
         )
         # what a reversal does depends on the side of the wall: sort by both
         side = np.sign(np.round(_gathered(survey, lambda path, k=k: path.play_side[:, k])))
-        label = np.char.add(np.char.mod("%+d ", side), facing)
+        label = np.char.add(np.char.mod("%+d ", side), seen_as)
         names, number = np.unique(label, return_inverse=True)
-        moved = tuple(_moved(axis, *name.split(" ")) for name in names.tolist())
+        moved = tuple(_moved(axis, *name.split(" ", 1)) for name in names.tolist())
         yield Covariate("direction", f"direction of {axis}", number, moved)
 
 
-def _moved(axis: str, side: str, facing: str) -> str:
+def _moved(axis: str, side: str, seen_as: str) -> str:
     moved = f"before {axis} moved" if side == "+0" else f"after {axis} moved {side[0]}"
-    return f"{moved}, surfaces facing {facing}"
+    return f"{moved}, {seen_as}"
 
 
 def _feed(survey: Survey) -> Covariate:
@@ -135,9 +136,17 @@ def _zones(by: str, title: str, value: np.ndarray, words: str, *, digits: int = 
     return Covariate(by, title, number, tuple(named), value)
 
 
-def _facing(survey: Survey) -> np.ndarray:
-    """The axis that each reading's direction is nearest to: +X, -X, ... or between two: +X-Y."""
+def _seen_as(survey: Survey) -> np.ndarray:
+    """What each reading is of, and along what: its direction is nearest to +X, -X, or +X-Y."""
     sensing = np.round(survey.sensing, 9)
     signs = np.where(np.abs(sensing) > _FACES, np.where(sensing > 0, "+", "-"), "")
     parts = np.where(signs != "", np.char.add(signs, np.array(LINEAR_AXES)), "")
-    return np.char.add(np.char.add(parts[:, 0], parts[:, 1]), parts[:, 2])
+    along = np.char.add(np.char.add(parts[:, 0], parts[:, 1]), parts[:, 2])
+    words = [np.full(len(m), _words_of(m)) for m in survey.measurements]
+    # what is read of a hole along no axis is its diameter
+    return np.where(along == "", "diameters", np.char.add(np.concatenate(words), along))
+
+
+def _words_of(measurement: Measurement) -> str:
+    is_surface = measurement.on_part and measurement.contacts is None
+    return "surfaces facing " if is_surface else "readings along "

@@ -12,7 +12,11 @@ import numpy as np
 from vmach.base.note import in_file
 from vmach.files.toml_file import NonNegative, Point
 from vmach.instruments.line_plots import line_plots
-from vmach.instruments.readings import PLANNED_TOOL_LENGTH_MM, along_line
+from vmach.instruments.readings import (
+    ORDINARY_SCALE_PPM,
+    PLANNED_TOOL_LENGTH_MM,
+    along_line,
+)
 from vmach.machine import LINEAR_AXES
 from vmach.measurements.instrument import Instrument, PlannedTest
 from vmach.measurements.plausibility.motion_doubts import lost_motion_notes
@@ -40,7 +44,7 @@ class Laser(Instrument):
 
     axis: Literal["X", "Y", "Z"]
     at_mm: Point
-    scale_u_ppm: NonNegative = 0.0
+    scale_u_ppm: NonNegative = ORDINARY_SCALE_PPM
 
     def mistaken(self) -> Iterator[dict[str, Any]]:
         """Also the axis that moved."""

@@ -20,7 +20,11 @@ class Backlash(OfReversal):
         "side that it comes from"
     )
     parameters = (
-        linear("reversal_um", "reversal value B of ISO 230-2", usual=10.0),
+        linear(
+            "reversal_um",
+            "reversal value B of ISO 230-2; below zero where a control compensates too much",
+            usual=10.0,
+        ),
         inner(
             "take_up_mm",
             "travel over which the lost motion is taken up to 63 %",

@@ -114,7 +114,9 @@ class Hysteresis(OfReversal):
         "- 2 exp(-s / w) after a reversal"
     )
     parameters = (
-        replace(linear("width_um", "width of the loop", usual=5.0), most=_WIDEST_LOOP_UM),
+        replace(
+            linear("width_um", "width of the loop", usual=5.0, is_size=True), most=_WIDEST_LOOP_UM
+        ),
         inner(
             "travel_mm",
             "travel over which it builds up to 63 %",
