@@ -1,4 +1,4 @@
-"""How often what is plain is shown on plates of holes and runs of axes without any table.
+"""How often what is plain is shown of plates, axes, circles and levels without any table.
 
     python tests/benchmarks/count_shop_tests.py --seed SEED [--count 100] [--rows counts.csv]
 
@@ -18,12 +18,13 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from tests.benchmarks.bench_hidden_effects import binomial, write_rows
 from tests.hidden_effects import program_runs
-from tests.hidden_effects.shop_tests import make_axis, make_plate
+from tests.hidden_effects.shop_tests import make_axis, make_ballbar, make_level, make_plate
 from vmach.effects import label_of
 
 #: what is left of an axis at most, um
 LEFT_UM = 4.0
 #: maps of an axis: what bends over a plate is one of them, or is left
+_KINDS = {"plate": make_plate, "axis": make_axis, "ballbar": make_ballbar, "level": make_level}
 _MAPS = ("component", "scale", "squareness", "workpiece_temperature")
 
 
@@ -39,11 +40,15 @@ def judged(folder: Path, kind: str) -> dict[str, object]:
     false = [
         _label(entry)
         for entry, its in zip(said, classes, strict=True)
-        if not its & true and entry["effect"] not in _MAPS
+        if not its & true and not (kind in ("plate", "axis") and entry["effect"] in _MAPS)
     ]
-    row = {"kind": kind, "verdict": report["verdict"], "first": shown[0], "second": shown[1]}
-    row |= {"led_first": led[0], "led_second": led[1]}
-    row |= {"pitch": "" if len(shown) < 3 else sum(shown[2:]), "false": " ".join(false)}
+    row = {"kind": kind, "verdict": report["verdict"], "all": all(shown), "clean": not shown}
+    if kind in ("plate", "axis"):
+        row |= {"first": shown[0], "second": shown[1], "led_first": led[0], "led_second": led[1]}
+    of = dict(zip((names[0] for names in truth["hidden"]), shown, strict=True))
+    pitch = [hit for name, hit in of.items() if name.startswith("cyclic_pitch")]
+    row |= {"pitch": sum(pitch) if pitch else "", "size": of.get("tool_radius T1", "")}
+    row |= {"false": " ".join(false)}
     row |= {"left_um": report["remains_um"], "seconds": round(seconds, 2), "inside": ""}
     row["is_left_ok"] = report["remains_um"] <= max(LEFT_UM, truth.get("rest_um", LEFT_UM))
     for entry in said:
@@ -60,15 +65,18 @@ def _label(entry: dict) -> str:
 def print_table(rows: list[dict]) -> None:
     """Counts as Markdown."""
     print("| of | count | share | 95 % limits |\n|---|---|---|---|")
-    plates, axes = ([r for r in rows if r["kind"] == kind] for kind in ("plate", "axis"))
+    plates, axes, circles, levels = ([r for r in rows if r["kind"] == kind] for kind in _KINDS)
     pitch = [r["pitch"] for r in plates if r["pitch"] != ""]
     inside = [r["inside"] for r in axes if r["inside"] != ""]
+    sizes = [r["size"] for r in plates if r["size"] != ""]
+    clean, pitched = ([r for r in levels if r["clean"] == wanted] for wanted in (True, False))
     for name, hits, count in (
         ("plates: scale or temperature shown", sum(r["first"] for r in plates), len(plates)),
         ("plates: the same, first of its class", sum(r["led_first"] for r in plates), len(plates)),
         ("plates: squareness shown", sum(r["second"] for r in plates), len(plates)),
         ("plates: the same, first of its class", sum(r["led_second"] for r in plates), len(plates)),
         ("plates: pitch errors of 1 to 3 um shown", sum(pitch), 2 * len(pitch)),
+        ("plates: size of the drill shown", sum(sizes), len(sizes)),
         ("plates: a false name", sum(bool(r["false"]) for r in plates), len(plates)),
         ("axes: lost motion shown", sum(r["first"] for r in axes), len(axes)),
         ("axes: 95 % intervals of it that hold its mean", sum(inside), len(inside)),
@@ -76,6 +84,11 @@ def print_table(rows: list[dict]) -> None:
         (f"axes: {LEFT_UM:g} um left at most, or what is true", sum(r["is_left_ok"] for r in axes),
          len(axes)),
         ("axes: a false name", sum(bool(r["false"]) for r in axes), len(axes)),
+        ("ballbars: all effects shown", sum(r["all"] for r in circles), len(circles)),
+        ("ballbars: a false name", sum(bool(r["false"]) for r in circles), len(circles)),
+        ("levels: pitch shown", sum(r["all"] for r in pitched), len(pitched)),
+        ("levels: nothing, where nothing is", sum(r["verdict"] == "nothing" for r in clean),
+         len(clean)),
     ):  # fmt: skip
         if count:
             low, high = binomial(hits, count)
@@ -87,12 +100,12 @@ def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--count", type=int, default=100, help="plates, and axes")
+    parser.add_argument("--count", type=int, default=100, help="of each kind")
     parser.add_argument("--rows", type=Path, help="a file that gets a row of each case")
     args = parser.parse_args()
     rows: list[dict] = []
     for seed in range(args.seed, args.seed + args.count):
-        for kind, make in (("plate", make_plate), ("axis", make_axis)):
+        for kind, make in _KINDS.items():
             with tempfile.TemporaryDirectory() as name:
                 folder = Path(name) / kind
                 make(folder, seed)

@@ -15,7 +15,7 @@ import numpy as np
 
 from tests.small_job import measurement, write_job
 
-__all__ = ["make_axis", "make_ballbar", "make_plate"]
+__all__ = ["circle_um", "make_axis", "make_ballbar", "make_level", "make_plate"]
 
 #: zero of the part, and travel, of the machine that is written, mm
 _ZERO, _TRAVEL = [-350, -350, -200], 700
@@ -224,7 +224,7 @@ def make_ballbar(folder: Path, seed: int) -> None:
             share = np.arange(240) / 240.0
             angle = way * (2.0 * np.pi * share + np.radians(0.5))
             begins_s += 0.5 * turn_s
-            deviation_um = _circle_um(
+            deviation_um = circle_um(
                 angle, way, radius, lost_um, take_up_mm, lean_urad, unequal_s * feed / 60.0 / radius
             )
             seconds = begins_s + share * turn_s
@@ -246,7 +246,7 @@ def make_ballbar(folder: Path, seed: int) -> None:
     _tell(folder, hidden, {"u_um": u_um, "lost_um": lost_um.tolist(), "lean_urad": lean_urad})
 
 
-def _circle_um(
+def circle_um(
     angle: np.ndarray,
     way: int,
     radius: float,
@@ -272,6 +272,31 @@ def _circle_um(
     away_um[0] -= 1e-3 * lean_urad * radius * place[1]
     away_um += 1e3 * radius * 0.5 * lag_rad * np.array([[1.0], [-1.0]]) * side
     return np.sum(away_um * place, axis=0)
+
+
+def make_level(folder: Path, seed: int) -> None:
+    """Six passes of a level along X: pitch that is straight or bumps, or none; and `truth.json`."""
+    folder.mkdir(parents=True)
+    random = np.random.default_rng(seed)
+    place = np.linspace(-380.0, -20.0, int(random.integers(9, 22)))
+    share = np.linspace(-0.5, 0.5, len(place))
+    size = random.uniform(10.0, 30.0) * random.choice([-1, 1])
+    bump = np.exp(-(((share - random.uniform(-0.3, 0.3)) / random.uniform(0.08, 0.2)) ** 2))
+    kind = ("straight", "bump", "none")[seed % 3]
+    pitch = {"straight": size * share, "bump": size * bump, "none": 0.0 * share}[kind]
+    noise, wanders = random.uniform(0.7, 1.3), random.uniform(0.0, 1.0)
+    rows = []
+    for run in range(3):
+        zero = wanders * random.standard_normal()
+        for side in (1, -1):
+            for i in range(len(place))[::side]:
+                value = pitch[i] + zero + noise * random.standard_normal()
+                rows.append(f"{run + 1},{place[i]:.3f},{side},{value:.2f}")
+    level = measurement("level", axis="X", about="B", at_mm=[-200, -150, -150], u_um=1.0)
+    _write(folder, level)
+    head = "run,position_mm,approach,tilt_um_per_m"
+    (folder / "level.csv").write_text("\n".join([head, *rows]) + "\n")
+    _tell(folder, [["component EBX"]] if kind != "none" else [], {"kind": kind, "size": size})
 
 
 def _write(folder: Path, instrument: str, program: str | None = None) -> None:
