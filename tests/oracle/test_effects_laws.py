@@ -230,8 +230,9 @@ def test_what_reverses_with_an_axis_on_a_circle(job):
     build_up = 1.0 - 2.0 * np.exp(-way / 8.0)
     loop = law("hysteresis", path, "X", width_um=6.0, travel_mm=8.0)
     np.testing.assert_allclose(loop[clear, 0], (-3e-3 * side * build_up)[clear], atol=2e-6)
-    spike = law("quadrant_glitch", path, "X", spike_um=5.0, travel_mm=0.6)
-    held_back = -5e-3 * side * np.exp(-way / 0.6)
+    spike = law("quadrant_glitch", path, "X", spike_um=5.0, travel_mm=0.6, sticks_mm=0.02)
+    # it follows from nothing on: stuck at first, behind by what is commanded
+    held_back = -5e-3 * side * (1.0 - np.exp(-way / 0.02)) * np.exp(-way / 0.6)
     np.testing.assert_allclose(spike[clear, 0], held_back[clear], atol=2e-5)
     play = law("lateral_play", path, "XZ", play_um=4.0, take_up_mm=0.005)
     np.testing.assert_allclose(play[clear, 2], (2e-3 * side)[clear], atol=1e-6)

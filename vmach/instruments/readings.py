@@ -21,7 +21,6 @@ from vmach.path.toolpath import PathStates
 
 __all__ = [
     "ALONG",
-    "ORDINARY_SCALE_PPM",
     "PLANNED_TOOL_LENGTH_MM",
     "STRETCHES",
     "along_line",
@@ -39,7 +38,7 @@ ALONG = ("dx_um", "dy_um", "dz_um")
 PLANNED_TOOL_LENGTH_MM = 150.0
 #: standard uncertainty of the scale of a laser where none is stated; chosen: of the temperature of
 #: screw or scale a quarter of a kelvin is not known, at 11.5 ppm/K (ISO 230-2, ISO/TR 230-9)
-ORDINARY_SCALE_PPM = 3.0
+_ORDINARY_SCALE_PPM = 3.0
 #: into how many stretches a test without runs is cut
 STRETCHES = 10
 #: s that an axis stands at a place of which no time was noted; chosen: a laser takes its reading
@@ -81,7 +80,7 @@ def along_line(
     nose_mm: np.ndarray,
     *,
     direction: np.ndarray,
-    scale_u_ppm: float,
+    scale_u_ppm: float | None,
     model: ModelOfTest,
 ) -> Measurement:
     """Readings of ``deviation_um`` along a straight line, its zero left free.
@@ -95,8 +94,8 @@ def along_line(
         Places of the spindle nose.
     direction : (3,) float64
         Unit vector of the line.
-    scale_u_ppm : float
-        Standard uncertainty of the instrument's own scale.
+    scale_u_ppm : float, optional
+        Standard uncertainty of the instrument's own scale, where it is stated.
     model : ModelOfTest
 
     Raises
@@ -114,7 +113,9 @@ def along_line(
     sensing = np.tile(direction, (len(nose_mm), 1))
     notes = (*assumed, *doubts_of_stops(nose_mm, side, table, model))
     test = one_a_stop(settings, table, states, sensing, model=model, notes=notes)
-    return replace(test, scale_u_mm=1e-6 * scale_u_ppm * (nose_mm @ direction))
+    ppm = _ORDINARY_SCALE_PPM if scale_u_ppm is None else scale_u_ppm
+    scale_u_mm = 1e-6 * ppm * (nose_mm @ direction)
+    return replace(test, scale_u_mm=scale_u_mm, scale_is_stated=scale_u_ppm is not None)
 
 
 def one_a_stop(

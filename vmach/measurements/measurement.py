@@ -97,7 +97,9 @@ class Measurement:
         number in the order of measuring.
     scale_u_mm : (P,) float64 or None
         What one standard uncertainty of the instrument's own scale does to each reading, where it
-        is stated.
+        has one.
+    scale_is_stated : bool
+        Whether the job states it; else it is that of an ordinary instrument.
     """
 
     instrument: type[Instrument]
@@ -116,6 +118,7 @@ class Measurement:
     clamping: np.ndarray | None = None
     measured_at: np.ndarray | None = None
     scale_u_mm: np.ndarray | None = None
+    scale_is_stated: bool = True
 
     def __post_init__(self) -> None:
         count = len(self.measured_mm)

@@ -103,6 +103,7 @@ def search_possible(weighing: Weighing, here: Explanation) -> Explanation:
 
 def _led_on(weighing: Weighing, here: Explanation, moves: Sequence[_Move]) -> Explanation:
     """Where moves lead to, while one makes the whole more probable; the first kinds first."""
+    here = _remembered(weighing, here)
     for _ in range(_MOVES):
         found = (_best(weighing, move(weighing, here), here.score + _STEP) for move in moves)
         better = next(filter(None, found), None)

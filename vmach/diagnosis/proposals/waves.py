@@ -34,6 +34,9 @@ _FITTED = 16
 _FITTED_ON = 3000
 #: of these peaks, so many are put on the list for each argument and direction
 _PEAKS = 2
+#: of fewer places than this, as floors are at few heights, waves of any short period tell each its
+#: own value: only those are sought that go round no more than once in two places (Nyquist)
+_FEW_PLACES = 12
 #: a wave has to go round that often, else it is a trend
 _LEAST_TURNS = 1.5
 #: steps to the frequency of least squares, in cells of the periodogram; the last one turns a wave
@@ -233,6 +236,8 @@ class _Wave:
 def _leading(wave: _Wave, argument: _Argument) -> np.ndarray:
     """Frequencies of the peaks of the periodogram that explain most, (F,)."""
     peaks = np.array(_peaks(wave, argument))
+    if not len(peaks):
+        return peaks
     return peaks[np.argsort(-wave.gains(peaks), kind="stable")[:_PEAKS]]
 
 
@@ -247,7 +252,11 @@ def _peaks(wave: _Wave, argument: _Argument) -> list[float]:
     power = np.sum(np.square(heights, dtype=np.float64), axis=0)
     frequency = np.arange(len(power)) / (count * cell)
     lowest = max(_LEAST_TURNS / wave.span, 1.0 / argument.longest)
-    power[(frequency < lowest) | (frequency > 1.0 / (cell * _CELLS))] = 0.0
+    places = len(np.unique(place))
+    highest = 1.0 / (cell * _CELLS)
+    if places < _FEW_PLACES:
+        highest = min(highest, 0.5 * (places - 1) / wave.span)
+    power[(frequency < lowest) | (frequency > highest)] = 0.0
     found = []
     for _ in range(_FITTED):
         best = int(np.argmax(power))

@@ -43,9 +43,14 @@ _LEAST_HALF_MM = 25.0
 
 
 def stated_of_device(survey: Survey) -> dict[str, np.ndarray]:
-    """What the job states of it, or an ordinary one has, by name: (n, K) mm of unit variance."""
+    """What the job states of it, or an ordinary one has, by name: (n, K) mm of unit variance.
+
+    An instrument of which nothing is stated is the reference for its scale where it is alone, and
+    an ordinary one beside others that tell a scale.
+    """
+    is_beside = any(map(_tells_scale, survey.measurements))
     parts = [
-        _stated(m, path.on_part_mm, survey.job.device)
+        _stated(m, path.on_part_mm, survey.job.device, counts=m.scale_is_stated or is_beside)
         for m, path in zip(survey.measurements, survey.paths, strict=True)
     ]
     return {name: block_diag(*(part[name] for part in parts)) for name in parts[0]}
@@ -91,8 +96,19 @@ def warming_of_instruments(survey: Survey) -> np.ndarray:
     return block_diag(*blocks)
 
 
-def _stated(m: Measurement, place_mm: np.ndarray, device: Device) -> dict[str, np.ndarray]:
-    """Of one measurement, at places (P, 3); no columns where no part was measured."""
+def _tells_scale(m: Measurement) -> bool:
+    """Whether it reads displacements at several places, without a scale of its own."""
+    moves = bool(np.ptp(m.states.nose_mm, axis=0).any())
+    return m.scale_u_mm is None and m.states.arm_mm is None and moves
+
+
+def _stated(
+    m: Measurement, place_mm: np.ndarray, device: Device, *, counts: bool
+) -> dict[str, np.ndarray]:
+    """Of one measurement, at places (P, 3); no columns where no part was measured.
+
+    Its own scale where that counts.
+    """
     away, n = place_mm - place_mm.mean(axis=0), m.sensing
     stretched = device.scale_u * n * away
     sheared = np.transpose([n[:, 0] * away[:, 1], n[:, 0] * away[:, 2], n[:, 1] * away[:, 2]])
@@ -106,7 +122,8 @@ def _stated(m: Measurement, place_mm: np.ndarray, device: Device) -> dict[str, n
     none = {FORM, FEATURES} if m.contacts is not None else set()
     none = none if m.on_part else set(found)
     kept = {name: v[:, :0] if name in none else v for name, v in found.items()}
-    own = np.zeros((len(m), 0)) if m.scale_u_mm is None else m.scale_u_mm[:, None]
+    scale = m.scale_u_mm if counts else None
+    own = np.zeros((len(m), 0)) if scale is None else scale[:, None]
     return kept | {INSTRUMENT: own}
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from vmach.errors import InputError
 from vmach.files.toml_file import NonNegative, Point
 from vmach.instruments.line_plots import line_plots
-from vmach.instruments.readings import ORDINARY_SCALE_PPM, along_line
+from vmach.instruments.readings import along_line
 from vmach.measurements.instrument import Instrument
 
 __all__ = ["Diagonal"]
@@ -32,7 +32,7 @@ class Diagonal(Instrument):
 
     from_mm: Point
     to_mm: Point
-    scale_u_ppm: NonNegative = ORDINARY_SCALE_PPM
+    scale_u_ppm: NonNegative | None = None
 
     def read(self, table, model):
         start, end = np.array(self.from_mm), np.array(self.to_mm)

@@ -13,7 +13,6 @@ from vmach.base.note import in_file
 from vmach.files.toml_file import NonNegative, Point
 from vmach.instruments.line_plots import line_plots
 from vmach.instruments.readings import (
-    ORDINARY_SCALE_PPM,
     PLANNED_TOOL_LENGTH_MM,
     along_line,
 )
@@ -44,7 +43,7 @@ class Laser(Instrument):
 
     axis: Literal["X", "Y", "Z"]
     at_mm: Point
-    scale_u_ppm: NonNegative = ORDINARY_SCALE_PPM
+    scale_u_ppm: NonNegative | None = None
 
     def mistaken(self) -> Iterator[dict[str, Any]]:
         """Also the axis that moved."""

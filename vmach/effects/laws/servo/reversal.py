@@ -77,18 +77,26 @@ class QuadrantGlitch(OfReversal):
     title = "reversal spike (friction at the quadrants)"
     commonness = 8
     shows_as = "just after a reversal"
-    law = "-spike s exp(-d/travel) ê_j, s = ±1"
+    law = "-spike s (1 - exp(-d/sticks)) exp(-d/travel) ê_j, s = ±1"
     source = (
         "equation (27) of docs/laws.md; ISO 230-4, circular tests; closed form derived here: "
-        "a spike fades as exp(-s / w)"
+        "a spike rises as 1 - exp(-s / w) while the axis sticks, and fades as exp(-s / w)"
     )
     parameters = (
-        linear("spike_um", "displacement right after the reversal", usual=5.0),
+        linear("spike_um", "displacement soon after the reversal", usual=5.0),
         inner(
             "travel_mm",
             "travel over which it fades to 37 %",
             (0.02, 0.05, 0.1, 0.25, 0.6, 1.5),
             usual=0.3,
+        ),
+        inner(
+            "sticks_mm",
+            "travel over which the axis sticks, while the spike rises to 63 %",
+            (0.001, 0.01, 0.05),
+            usual=0.001,
+            spread=1.5,
+            optional=True,
         ),
     )
     rarity = 1.0
@@ -96,9 +104,11 @@ class QuadrantGlitch(OfReversal):
     confirm = "ballbar at two feeds: spikes at the quadrants, higher with feed"
     cure = "set the control's friction compensation; lubricate"
 
-    def on_one_side(self, path, target, spike_um, travel_mm):
-        fade = np.exp(-path.travel_since_reversal_mm[:, self.axis(target)] / travel_mm)
-        return along(target, -1e-3 * spike_um * fade)
+    def on_one_side(self, path, target, spike_um, travel_mm, sticks_mm):
+        way = path.travel_since_reversal_mm[:, self.axis(target)]
+        # an axis that sticks falls behind by what is commanded: it does not jump
+        rise = -np.expm1(-way / sticks_mm)
+        return along(target, -1e-3 * spike_um * rise * np.exp(-way / travel_mm))
 
 
 class Hysteresis(OfReversal):
