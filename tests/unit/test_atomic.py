@@ -14,7 +14,14 @@ import pytest
 from tests.report_case import points, run
 from vmach.errors import InputError
 from vmach.files import workplace, written_files
-from vmach.files.atomic import atomic_file, atomic_folder, check_folder, check_outputs
+from vmach.files.atomic import (
+    NameTakenError,
+    atomic_file,
+    atomic_folder,
+    check_folder,
+    check_outputs,
+    write_under_free_name,
+)
 from vmach.files.together import together
 from vmach.files.written_files import FILES_LIST, RESULTS_LIST, files_in
 from vmach.report import write_summary
@@ -405,6 +412,62 @@ def test_runs_at_once_leave_the_results_of_one(tmp_path):
     assert len({place.read_text() for place in places}) == 1
     check_outputs(places[:2])  # all are known
     check_folder(tmp_path / "out", ["third"])
+
+
+NEW_AT_ONCE = """
+import sys
+from pathlib import Path
+from vmach.files.atomic import write_under_free_name
+from vmach.files.job_name import free_job_name
+
+for k in range(20):
+    text = f"{sys.argv[2]}{k}"
+    path = write_under_free_name(lambda: free_job_name(Path(sys.argv[1])), text.encode())
+    print(path, text)
+"""
+
+
+def test_runs_at_once_that_choose_a_free_name_each_get_one(tmp_path):
+    runs = [
+        subprocess.Popen(
+            [sys.executable, "-c", NEW_AT_ONCE, tmp_path / "job.toml", who],
+            stdout=subprocess.PIPE, text=True,
+        )
+        for who in "abc"
+    ]  # fmt: skip
+    told = [line.split() for run in runs for line in run.communicate()[0].splitlines()]
+    assert [run.returncode for run in runs] == [0] * 3
+    assert len({path for path, _ in told}) == 60
+    assert all(Path(path).read_text() == text for path, text in told)
+
+
+def no_links(*_):
+    raise OSError(errno.EPERM, os.strerror(errno.EPERM))
+
+
+@pytest.mark.parametrize("has_links", [True, False])
+def test_a_new_file_leaves_what_comes_while_it_is_written(tmp_path, monkeypatch, has_links):
+    """Also where a program comes that knows no locks, and where a file system has no links."""
+    if not has_links:
+        monkeypatch.setattr(os, "link", no_links)
+    with atomic_file(tmp_path / "free", is_new=True) as temporary:
+        temporary.write_text("new")
+    with pytest.raises(NameTakenError), atomic_file(tmp_path / "a", is_new=True) as temporary:
+        temporary.write_text("new")
+        (tmp_path / "a").write_text("another's")
+    monkeypatch.setattr(os.path, "lexists", lambda path: False)
+    with pytest.raises(NameTakenError), together():
+        for name in ("b", "c", "a"):
+            with atomic_file(tmp_path / name, is_new=True) as temporary:
+                temporary.write_text("new")
+    assert contents(tmp_path) == {"free": "new", "a": "another's"}
+
+
+def test_another_name_is_chosen_where_the_first_was_taken(tmp_path):
+    names = iter([tmp_path / "a", tmp_path / "b"])
+    (tmp_path / "a").write_text("another's")
+    assert write_under_free_name(lambda: next(names), b"new") == tmp_path / "b"
+    assert contents(tmp_path) == {"a": "another's", "b": "new"}
 
 
 def test_a_result_that_two_runs_replace_while_it_is_read_is_known(tmp_path, monkeypatch):

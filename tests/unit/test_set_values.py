@@ -8,6 +8,7 @@ import pytest
 from tests.small_job import write_job
 from vmach.api.points import predict
 from vmach.errors import InputError
+from vmach.history import set_values as set_values_module
 from vmach.history.set_values import set_values
 from vmach.job import read_job
 
@@ -152,6 +153,29 @@ def test_a_job_in_another_folder_finds_its_files(job, tmp_path):
     made, machine = set_values(job, ["EXX.measured_at_mm=1,2,3"], out=folder / "new.toml")
     assert made.parent == machine.parent == folder
     assert read_job(made).program.read_bytes() == read_job(job).program.read_bytes()
+
+
+@pytest.mark.parametrize("is_told", [False, True])
+def test_a_name_that_another_command_takes_meanwhile_is_its(job, monkeypatch, is_told):
+    """The other one writes after this one has looked which name is free."""
+    look, words = set_values_module._texts, ["backlash:X.reversal_um=3", "EXX.measured_at_mm=1,2,3"]
+    taken = job.with_name("told.toml" if is_told else "machine-2.toml")
+
+    def texts(*arguments):
+        made = look(*arguments)
+        if not taken.exists():
+            taken.write_text("# another's")
+        return made
+
+    monkeypatch.setattr(set_values_module, "_texts", texts)
+    if is_told:
+        with pytest.raises(InputError, match="file is there already"):
+            set_values(job, words, out=taken)
+        assert not job.with_name("machine-2.toml").exists()
+    else:
+        made, machine = set_values(job, words)
+        assert (made.name, machine.name) == ("job-2.toml", "machine-3.toml")
+    assert taken.read_text() == "# another's"
 
 
 @pytest.mark.parametrize(("word", "said"), [

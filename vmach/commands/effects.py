@@ -153,7 +153,7 @@ def propose(
             file=job,
             hint="forms are proposed where the verdict is unknown or partly",
         )
-    with atomic_file(out) as temporary:
+    with atomic_file(out, is_new=True) as temporary:
         temporary.write_text(effect_text(found.proposals[number - 1], name=name), encoding="utf-8")
     command = f"vmach add {shlex.quote(str(job))} {name} --effect-file {shlex.quote(str(out))}"
     print(f"{out}: proposal {number}; look at it, then  {command}")

@@ -55,6 +55,6 @@ def write_skeleton(name: str, folder: Path) -> Path:
         raise InputError("file is there already", file=path)
     kind = "".join(word.capitalize() for word in name.split("_"))
     text = _TEXT.format(name=name, kind=kind, title=name.replace("_", " "))
-    with atomic_file(path) as temporary:
+    with atomic_file(path, is_new=True) as temporary:
         temporary.write_text(text, encoding="utf-8")
     return path

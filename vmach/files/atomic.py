@@ -6,7 +6,7 @@ import contextlib
 import os
 import shutil
 import stat
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,10 +24,26 @@ from vmach.files.written_files import (
     write_results_list,
 )
 
-__all__ = ["atomic_file", "atomic_folder", "check_folder", "check_outputs", "edited_file"]
+__all__ = [
+    "NameTakenError",
+    "atomic_file",
+    "atomic_folder",
+    "check_folder",
+    "check_outputs",
+    "edited_file",
+    "write_under_free_name",
+]
 
 #: folders that `atomic_folder` has given out: nothing in them is anybody's yet
 _being_filled: set[Path] = set()
+
+
+class NameTakenError(InputError):
+    """Something has the name of a file that was to be new; it stays as it is."""
+
+    def __init__(self, path: Path) -> None:
+        hint = "another command may have written it just now; start this one again"
+        super().__init__("is there already", file=path, accepted="a name of its own", hint=hint)
 
 
 def check_outputs(outputs: Iterable[Path | None], *, inputs: Iterable[Path] = ()) -> None:
@@ -213,18 +229,28 @@ def _link(path: Path, copy: Path) -> None:
 
 
 @contextmanager
-def atomic_file(path: str | Path) -> Iterator[Path]:
+def atomic_file(path: str | Path, *, is_new: bool = False) -> Iterator[Path]:
     """Give a temporary path of the same name; rename it to `path` when the block ends well.
+
+    Parameters
+    ----------
+    path : path
+    is_new : bool
+        Nothing may have this name. Of two commands that choose one name at once, one gets it.
 
     Raises
     ------
     InputError
         The folder of `path` is missing or cannot be written to; `path` is a folder or a device,
         or a file that vmach did not write.
+    NameTakenError
+        Something has the name of a new file, also where it came while the block ran.
     """
     path = _resolved(Path(path))  # a link stays, the file that it points to is replaced
     is_own_place = any(folder in _being_filled for folder in path.parents)
-    if not is_own_place:
+    if is_new:
+        _check_new_file(path)
+    elif not is_own_place:
         _check_file(path)
     with ExitStack() as stack:
         room = stack.enter_context(workplace(path))
@@ -234,7 +260,29 @@ def atomic_file(path: str | Path) -> Iterator[Path]:
         if is_own_place:
             os.replace(temporary, path)
         else:
-            put_in_place(_File(temporary, path), stack)
+            put_in_place((_NewFile if is_new else _File)(temporary, path), stack)
+
+
+def write_under_free_name(choose: Callable[[], Path], content: bytes) -> Path:
+    """Write a file under a name that nothing has.
+
+    Parameters
+    ----------
+    choose : callable
+        Gives a name that is free now; asked again where another command was faster.
+    content : bytes
+
+    Raises
+    ------
+    InputError
+        As `atomic_file` does.
+    """
+    while True:
+        path = choose()
+        with contextlib.suppress(NameTakenError):
+            with atomic_file(path, is_new=True) as temporary:
+                temporary.write_bytes(content)
+            return path
 
 
 @dataclass(frozen=True)
@@ -263,6 +311,49 @@ class _File:
         """All is done."""
 
 
+@dataclass(frozen=True)
+class _NewFile(_File):
+    """A file in a place that nothing has; it takes nobody's."""
+
+    def prepare(self, coming: Collection[Path]) -> None:
+        if os.path.lexists(self.place):
+            raise NameTakenError(self.place)
+        super().prepare(coming)
+
+    def set_aside(self) -> None:
+        """Take the place already: there is nothing in it that would have to go."""
+        self._take()
+
+    def put(self) -> None:
+        if not self._has_place():
+            self._take()
+
+    def put_back(self) -> None:
+        if self._has_place():
+            self.place.unlink(missing_ok=True)
+
+    def _has_place(self) -> bool:
+        if not self.content.exists():
+            return True
+        return self.place.exists() and os.path.samefile(self.content, self.place)
+
+    def _take(self) -> None:
+        """Let the file appear whole, in one step that fails where something has the name."""
+        try:
+            os.link(self.content, self.place)
+        except FileExistsError:
+            raise NameTakenError(self.place) from None
+        except OSError:  # a file system without links: an empty file takes the name first
+            self._take_without_links()
+
+    def _take_without_links(self) -> None:
+        try:
+            os.close(os.open(self.place, os.O_CREAT | os.O_EXCL | os.O_WRONLY))
+        except FileExistsError:
+            raise NameTakenError(self.place) from None
+        os.replace(self.content, self.place)
+
+
 @contextmanager
 def edited_file(path: Path) -> Iterator[Path]:
     """Give a temporary path for a user's own file that a command was told to edit.
@@ -273,13 +364,13 @@ def edited_file(path: Path) -> Iterator[Path]:
     Raises
     ------
     InputError
-        There is no such file, or it cannot be written to.
+        There is no such file, or it cannot be written to. Another command edits it at once.
     """
     path = _resolved(path)
     if not path.is_file():
         raise InputError("is no file that could be edited", file=path)
     _check_writable_folder(path.parent)
-    with atomic_file(_free_backup(path)) as before:
+    with atomic_file(_free_backup(path), is_new=True) as before:
         shutil.copyfile(path, before)
     with ExitStack() as stack:
         room = stack.enter_context(workplace(path))
@@ -323,6 +414,12 @@ def _faults_named(temporary: Path, place: Path) -> Iterator[None]:
 
 def _resolved(path: Path) -> Path:
     return Path(os.path.realpath(path))
+
+
+def _check_new_file(path: Path) -> None:
+    _check_writable_folder(path.parent)
+    if os.path.lexists(path):
+        raise NameTakenError(path)
 
 
 def _check_file(path: Path, *, results: Path | None = None) -> None:

@@ -16,9 +16,12 @@ def job_name(path: Path) -> str:
 
 
 def free_job_name(path: Path) -> Path:
-    """A name for a job that goes on from another, beside it: ``job-2.toml``, ``job-3.toml`` ..."""
+    """A name for a job that goes on from another, beside it: ``job-2.toml``, ``job-3.toml`` ...
+
+    It is free now. Another command may take it before it is written: see `NameTakenError`.
+    """
     number = 2
     stem = re.sub(r"-\d+$", "", path.stem)
-    while (candidate := path.with_name(f"{stem}-{number}.toml")).exists():
+    while os.path.lexists(candidate := path.with_name(f"{stem}-{number}.toml")):
         number += 1
     return candidate

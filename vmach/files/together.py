@@ -10,6 +10,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import Protocol
 
+from vmach.errors import InputError
 from vmach.files.workplace import nearest_existing
 
 __all__ = ["Result", "put_in_place", "together"]
@@ -108,7 +109,7 @@ def _exchange_all(results: Sequence[Result]) -> None:
             result.set_aside()
         for result in results[:1]:
             result.put()
-    except OSError:
+    except (OSError, InputError):
         for result in results[1:]:
             result.put_back()
         raise

@@ -25,8 +25,8 @@ from vmach.history.fitted_before import (
 )
 from vmach.history.following_job import history_toml, moved_text
 from vmach.history.job_text import with_tables
-from vmach.history.new_job_files import write_and_read
-from vmach.job import Job, free_job_name, read_job
+from vmach.history.new_job_files import check_free, write_new_job
+from vmach.job import Job, read_job
 
 __all__ = ["add_effects"]
 
@@ -70,6 +70,7 @@ def add_effects(
     twice = [name for name in effects if list(effects).count(name) > 1]
     if twice:
         raise InputError(f"{twice[0]} is named twice", accepted="every effect once")
+    check_free(out)
     text = read_text(job.path, what="job file")
     for name in effects:
         _check_new(job, text, *_parts(name))
@@ -79,22 +80,22 @@ def add_effects(
     found = every[len(anew) :]
     for effect in found:
         _check_new(job, text, effect.effect.name, effect.target)
-    target = out or free_job_name(job.path)
-    if target.exists():
-        raise InputError("file is there already", file=target, hint="choose another name with -o")
-    text = moved_text(text, job.folder, target.parent, file=job.path)
-    text = without_tables(text, anew, file=job.path)
     before = rms_um(survey_job(job) if anew else bare)
     after = rms_um(bare, sum(effect.explained_mm for effect in every))
-    more = "\n".join(_effect_toml(e) for e in every) + "".join(_fitted_toml(e) for e in every)
-    more += "".join(_correlated_toml(e) for e in every)
-    more += history_toml(
-        job, target.parent, [effect.label for effect in found],
-        figures={"rms_before_um": before, "rms_after_um": after},
-        effect_files={e.effect.name: e.effect.file for e in found if e.effect.file},
-    )  # fmt: skip
-    text = with_tables(text, more, file=job.path)
-    write_and_read({target: text}, target, old=job.path)
+    tables = "\n".join(_effect_toml(e) for e in every) + "".join(_fitted_toml(e) for e in every)
+    tables += "".join(_correlated_toml(e) for e in every)
+
+    def texts(target: Path) -> dict[Path, str]:
+        moved = moved_text(text, job.folder, target.parent, file=job.path)
+        moved = without_tables(moved, anew, file=job.path)
+        more = tables + history_toml(
+            job, target.parent, [effect.label for effect in found],
+            figures={"rms_before_um": before, "rms_after_um": after},
+            effect_files={e.effect.name: e.effect.file for e in found if e.effect.file},
+        )  # fmt: skip
+        return {target: with_tables(moved, more, file=job.path)}
+
+    target = write_new_job(job.path, texts, out=out)[0]
     for note in (*bare.notes, *_kept_notes(job, anew)):
         tell(note)
     return target, every

@@ -1,21 +1,71 @@
-"""Files of a new job: written together, read as they will be, and taken away if they are no job."""
+"""Files of a new job: written together, read as they will be, and taken away if they are no job.
+
+Nothing has their names: of two commands that write new jobs at once, each gets names of its own.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
 
 from vmach.effects import read_effects
 from vmach.errors import InputError
-from vmach.files.atomic import atomic_file
+from vmach.files.atomic import NameTakenError, atomic_file
 from vmach.files.together import together
-from vmach.job import read_job
+from vmach.job import free_job_name, read_job
 from vmach.machine import read_machine
 
-__all__ = ["write_and_read"]
+__all__ = ["check_free", "write_new_job"]
 
 
-def write_and_read(written: Mapping[Path, str], job_path: Path, *, old: Path) -> None:
+def check_free(out: Path | None) -> None:
+    """Refuse a name that was told for a new job, where something has it.
+
+    Raises
+    ------
+    InputError
+    """
+    if out is not None and os.path.lexists(out):
+        raise InputError("file is there already", file=out, hint="choose another name with -o")
+
+
+def write_new_job(
+    old: Path, texts: Callable[[Path], Mapping[Path, str]], *, out: Path | None
+) -> tuple[Path, ...]:
+    """Write a job that goes on from another, under names that nothing has.
+
+    Parameters
+    ----------
+    old : Path
+        The job that it goes on from.
+    texts : callable
+        Gives the files of the new job from its path, the job first. Asked again where another
+        command has taken a name in the meantime.
+    out : Path or None
+        The job file to write; a new name beside the old one where None.
+
+    Returns
+    -------
+    tuple of Path
+        What was written, as in `texts`.
+
+    Raises
+    ------
+    InputError
+        A file is there already, or the files make no job.
+    """
+    while True:
+        check_free(out)
+        target = out or free_job_name(old)
+        with suppress(NameTakenError):
+            written = texts(target)
+            _write_and_read(written, target, old=old)
+            return tuple(written)
+
+
+def _write_and_read(written: Mapping[Path, str], job_path: Path, *, old: Path) -> None:
     """Write all files, and take them away where they make no job.
 
     Parameters
@@ -33,7 +83,7 @@ def write_and_read(written: Mapping[Path, str], job_path: Path, *, old: Path) ->
     """
     with together():
         for path, text in written.items():
-            with atomic_file(path) as temporary:
+            with atomic_file(path, is_new=True) as temporary:
                 temporary.write_text(text, encoding="utf-8")
     try:
         job = read_job(job_path)

@@ -17,9 +17,9 @@ from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.history.following_job import history_toml, moved_text
 from vmach.history.job_text import checked_job, in_tables, parsed_job, take_fits, with_tables
-from vmach.history.new_job_files import write_and_read
+from vmach.history.new_job_files import write_new_job
 from vmach.history.other_machine import MachineValue, other_machine_text
-from vmach.job import free_job_name, read_job
+from vmach.job import Job, free_job_name, read_job
 from vmach.machine.component_errors import COMPONENT_NAMES
 
 __all__ = ["set_values"]
@@ -76,25 +76,29 @@ def set_values(
     if not words:
         raise InputError("nothing to set", accepted=_ACCEPTED)
     of_effects, of_machine = _read(words)
-    target = out or free_job_name(job.path)
+    try:
+        target, *machine = write_new_job(
+            job.path, lambda target: _texts(job, of_effects, of_machine, target), out=out
+        )
+    except InputError as error:
+        raise _quoting(error, of_effects) from None
+    return target, machine[0] if machine else None
+
+
+def _texts(
+    job: Job, of_effects: Sequence[_EffectValue], of_machine: Sequence[MachineValue], target: Path
+) -> dict[Path, str]:
+    """The new job, and its machine file where that differs."""
     machine = free_job_name(target.parent / job.machine_path.name) if of_machine else None
-    for path in filter(None, (target, machine)):
-        if path.exists():
-            raise InputError("file is there already", file=path, hint="choose another with -o")
     text = read_text(job.path, what="job file")
     text = moved_text(text, job.folder, target.parent, file=job.path)
     text = _with_effects(text, of_effects, machine, file=job.path)
     said = [value.words for value in of_effects] + [value.words for value in of_machine]
     more = history_toml(job, target.parent, list(dict.fromkeys(said)))
-    text = with_tables(text, more, file=job.path)
-    written: dict[Path, str] = {target: text}
+    written = {target: with_tables(text, more, file=job.path)}
     if machine is not None:
         written[machine] = other_machine_text(job.machine_path, of_machine, machine.parent)
-    try:
-        write_and_read(written, target, old=job.path)
-    except InputError as error:
-        raise _quoting(error, of_effects) from None
-    return target, machine
+    return written
 
 
 def _quoting(error: InputError, values: Sequence[_EffectValue]) -> InputError:

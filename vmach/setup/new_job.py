@@ -87,7 +87,7 @@ def new_job(folder: Path, answers: Answers) -> tuple[Path, ...]:
     texts |= {path: text + "\n" for path, text in schemas.items()}
     with together():
         for path, text in texts.items():
-            with atomic_file(path) as file:
+            with atomic_file(path, is_new=path in (job, machine)) as file:
                 file.write_text(text, encoding="utf-8")
     return machine, job
 

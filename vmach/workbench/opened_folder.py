@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import itertools
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
 from vmach.errors import InputError
-from vmach.files.atomic import atomic_file, check_outputs
+from vmach.files.atomic import atomic_file, check_outputs, write_under_free_name
 
 __all__ = ["MOST_UPLOADED", "OpenedFolder"]
 
@@ -87,7 +88,7 @@ class OpenedFolder:
         """A name that no file has: ``EXX.csv``, ``EXX-2.csv`` ..."""
         stem, _, suffix = name.rpartition(".")
         candidates = itertools.chain([name], (f"{stem}-{k}.{suffix}" for k in itertools.count(2)))
-        return next(one for one in candidates if not (self.root / one).exists())
+        return next(one for one in candidates if not os.path.lexists(self.root / one))
 
     def check_new(self, name: str) -> Path:
         """Where a file that the page sends may lie: a plain name that no other file has.
@@ -116,6 +117,15 @@ class OpenedFolder:
         with atomic_file(path) as temporary:
             temporary.write_bytes(content)
         return path
+
+    def write_new(self, name: str, content: bytes) -> Path:
+        """Write a file under `free_name`, which no other command has then.
+
+        Raises
+        ------
+        InputError
+        """
+        return write_under_free_name(lambda: self.check_new(self.free_name(name)), content)
 
 
 def _is_job(path: Path) -> bool:

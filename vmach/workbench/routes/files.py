@@ -14,7 +14,7 @@ from starlette.routing import Route
 
 from gcode import Source, readable
 from vmach.errors import InputError, VmachError
-from vmach.files.atomic import atomic_file
+from vmach.files.atomic import atomic_file, write_under_free_name
 from vmach.files.job_name import free_job_name
 from vmach.workbench.added_readings import job_with_readings
 from vmach.workbench.exchange import read_content, read_json, session_of
@@ -96,10 +96,8 @@ async def _readings(request: Request) -> Response:
         raise InputError("settings", accepted="the kind of instrument, and what its section takes")
     if not all(_is_plain(value) for value in settings.values()):
         raise InputError("settings", accepted="numbers, lists of numbers and words")
-    name = free_job_name(job)
     text = job_with_readings(job.read_text(encoding="utf-8"), job.name, file.name, settings)
-    with atomic_file(name) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    name = write_under_free_name(lambda: free_job_name(job), text.encode())
     try:
         await session.ask("check_job", job=str(name))
     except VmachError:

@@ -93,9 +93,7 @@ async def _kept(session: Session, one: dict[str, Any]) -> list[str]:
     name, words = one["component"], []
     if one.get("offset") is not None:
         _, text = await session.ask("drawn_table", wanted=one)
-        words.append(
-            f"{name}={folder.name_of(folder.write(folder.free_name(f'{name}.csv'), text))}"
-        )
+        words.append(f"{name}={folder.name_of(folder.write_new(f'{name}.csv', text))}")
     if one.get("measured_at_mm") is not None:
         words.append(f"{name}.measured_at_mm={','.join(f'{x:g}' for x in one['measured_at_mm'])}")
     return words
