@@ -51,6 +51,19 @@ def test_single_runs_side_by_side(tmp_path):
     assert np.isnan(table.runs.backward[0, 1])
 
 
+def test_a_wrong_header_is_told_every_header_that_is_read(tmp_path):
+    rows = {3: "0,1,1\n10,1,1\n", 2: "0,1\n10,1\n", 4: "1,0,1,5\n1,0,-1,5\n1,9,1,5\n1,9,-1,5\n"}
+    for wrong in ("position_mm,mean_um", "position_mm,forward_um"):
+        with pytest.raises(InputError) as caught:
+            read(tmp_path, f"{wrong}\n{rows[2]}")
+        assert caught.value.line == 1
+        for header in caught.value.accepted.split(" | "):
+            names = header.removesuffix(", forward_2, ...").split(", ")
+            assert read(tmp_path, f"{','.join(names)}\n{rows[len(names)]}").position[0] == 0
+    assert "position_mm, error |" in caught.value.accepted
+    assert "go into a column error" in caught.value.hint
+
+
 def test_single_readings_below_each_other(tmp_path):
     rows = ["run,position_mm,approach,deviation_um"]
     for run in (1, 2):

@@ -1,6 +1,7 @@
 """``vmach init``: from a program and a CAD file to a job that can be checked and run."""
 
 import os
+import re
 import shutil
 import tomllib
 from pathlib import Path
@@ -14,6 +15,7 @@ from vmach.errors import InputError
 from vmach.history.set_values import set_values
 from vmach.job import read_job
 from vmach.machine.chain import Chain
+from vmach.machine.tables.error_table import MM_PER, read_error_table
 from vmach.setup import KINEMATICS
 from vmach.setup.said_tools import said_tools
 
@@ -45,6 +47,17 @@ def test_a_new_job_has_nothing_to_mend_and_what_the_program_asks_for(folder):
     assert machine["chain"] == KINEMATICS["bridge"].chain
     assert machine["axes"]["X"]["travel_mm"] == [-800, 0]
     assert not [f for f in check_job(folder) if f.weight is Weight.MEND]
+
+
+def test_headers_of_tables_that_the_machine_file_names_are_read(folder):
+    init(folder, "--yes")
+    text = (folder / "machine.toml").read_text()
+    headers = re.findall(r"position_mm[\w,]*,\w+", text)
+    assert len(headers) == 2
+    for header in headers:
+        row = ",0" * header.count(",")
+        (folder / "EXX.csv").write_text(f"{header}\n0{row}\n10{row}\n")
+        assert len(read_error_table(folder / "EXX.csv", MM_PER, "um").position) == 2
 
 
 def test_check_lists_every_guess_until_it_is_mended(folder):

@@ -119,7 +119,8 @@ def _machine_lines(answers: Answers) -> Iterator[str]:
         yield f"[axes.{axis}]"
         yield f"travel_mm = [{-travel:g}, 0]  # machine coordinates"
     yield ""
-    yield "# A table a measured error: position_mm and forward_um (and backward_um), or mean_um."
+    yield "# A table a measured error. Its first line: position_mm,forward_um,backward_um"
+    yield "# or, with one value for both directions: position_mm,error_um"
     yield "# [errors.EXX]"
     yield '# table = "errors/EXX.csv"'
     yield "# position_zero_mm = 0  # where the axis is at position 0 of the table"

@@ -1,8 +1,9 @@
 """Reading error tables: one file an error, as means or as single runs.
 
-Three headers are understood, in any order of columns and of rows:
+Four headers are understood, in any order of columns and of rows:
 
 * ``position_mm, forward, backward``: means of both directions of approach;
+* ``position_mm, error``: one value for both directions;
 * ``position_mm, forward_1, backward_1, forward_2, ...``: single runs side by side;
 * ``run, position_mm, approach, deviation``: single readings below each other, `approach` being
   the sign of the motion into the position.
@@ -39,10 +40,12 @@ RAD_PER = {
     "urad": 1e-6, "rad": 1.0, "mrad": 1e-3, "arcsec": math.pi / 648000, "deg": math.pi / 180,
     "um/m": 1e-6, "um/mm": 1e-3,
 }  # fmt: skip
+#: columns that the message about a wrong header lists; {} is the unit of the position
 _ACCEPTED = (
-    "position_mm, forward, backward | position_mm, forward_1, backward_1, ... | "
-    "run, position_mm, approach, deviation"
+    "position_{0}, forward, backward | position_{0}, error | "
+    "position_{0}, forward_1, backward_1, forward_2, ... | run, position_{0}, approach, deviation"
 )
+_BOTH_HINT = "readings of one direction, or means of both, go into a column error"
 POSITION_MM_PER = {unit: MM_PER[unit] for unit in ("mm", "m", "inch")}
 _SAME_POSITION = 1e-3  #: in the unit of the file
 
@@ -134,6 +137,7 @@ class _Header:
         positions: Mapping[str, float],
     ) -> None:
         self.path, self.line, self.names = path, line, names
+        self.accepted = _ACCEPTED.format(next(iter(positions)))
         #: positions (R,) of all rows, and their lines
         self.rows: tuple[np.ndarray, list[int]] = (np.zeros(0), [])
         is_length = "mm" in units
@@ -182,8 +186,8 @@ class _Header:
             f"header '{', '.join(self.names)}'",
             file=self.path,
             line=self.line,
-            accepted=_ACCEPTED,
-            hint=column_hint(self.names),
+            accepted=self.accepted,
+            hint=column_hint(self.names) or _BOTH_HINT,
         )
 
 
