@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from importlib import invalidate_caches
 from pathlib import Path
@@ -665,6 +666,32 @@ def test_lines_to_paste_are_printed_where_no_file_is_named(tmp_path, monkeypatch
         "EC0Y = 16950.7" in run.output
     )  # 0.0169507 of the firmware's formula, as an angle above 90
     assert (tmp_path / "errors" / "EYX.csv").is_file()
+
+
+@pytest.mark.parametrize("is_known", [False, True])
+def test_lines_to_paste_name_files_that_are_there(tmp_path, monkeypatch, is_known):
+    """As seen from the job and its machine file, or from where the command is typed."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "jobs").mkdir()
+    job = write_plate_job(tmp_path / "jobs")
+    (tmp_path / "EYX.csv").write_text(LASER)
+    (tmp_path / "p.txt").write_text(PROBE_LOG)
+    words = ["EYX.csv", "--yes", "-o", "jobs/out"]
+    words += ["p.txt", "--set", "ball_mm=2", "--job", job.parent] if is_known else []
+    run = command(*words)
+    assert run.exit_code == 0, run.exception
+    named = re.findall('(?:table|measured) = "(.*)"', run.output)
+    assert len(named) == 1 + is_known
+    place = job.parent if is_known else tmp_path
+    assert all((place / name).is_file() and not Path(name).is_absolute() for name in named)
+
+
+def test_lines_that_went_into_a_file_of_another_name_are_not_printed(tmp_path):
+    machine = write_job(tmp_path).with_name("machine.toml").rename(tmp_path / "mill.toml")
+    (tmp_path / "EYX.csv").write_text(LASER)
+    run = command(tmp_path / "EYX.csv", "--yes", "--into", machine)
+    assert run.exit_code == 0, run.exception
+    assert "lines for" not in run.output
 
 
 def test_corrections_instead_of_errors_are_told(tmp_path):

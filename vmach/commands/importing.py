@@ -5,16 +5,17 @@ from __future__ import annotations
 import json
 import re
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vmach.commands.options import AsJson
+from vmach.commands.options import AsJson, typed
 from vmach.errors import InputError
 
 if TYPE_CHECKING:
-    from vmach.importers import Imported, Questions
+    from vmach.importers import Imported, Questions, Section
 
 __all__ = ["import_files"]
 
@@ -61,7 +62,7 @@ def import_files(
     show_kinds: Annotated[bool, typer.Option("--list", help="say what each kind reads")] = False,
 ) -> None:
     """Read files of instruments and controls, and write the project's own."""
-    from vmach.importers.importing import Target, import_files, write_imported
+    from vmach.importers.importing import Target, import_files, lines_to_paste, write_imported
 
     if show_kinds:
         _list_kinds()
@@ -75,12 +76,25 @@ def import_files(
     found += [_square(text, questions) for text in square or []]
     found += import_files(files or [], questions, kind=kind)
     folder = out or (targets[0].parent if targets else Path())
-    written = write_imported(found, Target(folder, tuple(targets)))
+    target = Target(folder, tuple(targets))
+    written = write_imported(found, target)
     checks = _self_checks(found, written, targets)
     if as_json:
         print(json.dumps(_record(found, written, checks), indent=1))
     else:
-        _tell(found, written, targets, checks)
+        _tell(found, written, checks)
+        for file, sections in sorted(lines_to_paste(found, target, _known(questions)).items()):
+            _tell_lines(file, sections)
+
+
+def _known(questions: Questions) -> dict[str, Path | None]:
+    """The machine file and the job that the lines are for, as far as options tell them."""
+    machine = questions.machine_file
+    if machine is None:
+        with suppress(InputError):  # not all kinds need the job, nor that it is whole
+            machine = questions.job.machine_path if questions.job else None
+    job = questions.job_file
+    return {"machine": machine, "job": job / "job.toml" if job and job.is_dir() else job}
 
 
 def _targets(into: list[Path]) -> list[Path]:
@@ -199,24 +213,21 @@ def _record(found: list[Imported], written: list[Path], checks: list[str]) -> di
     }  # fmt: skip
 
 
-def _tell(
-    found: list[Imported], written: list[Path], targets: list[Path], checks: list[str]
-) -> None:
-    from vmach.importers.toml_text import section_text
-
+def _tell(found: list[Imported], written: list[Path], checks: list[str]) -> None:
     for one in found:
         print(*one.told, sep="\n")
     for path in written:
         print(f"wrote {path}")
     for line in checks:
         print(line)
-    kinds = {"machine": "machine.toml", "job": "job.toml"}
-    open_ones = {kinds[s.file] for one in found for s in one.sections}
-    open_ones -= {path.name for path in targets}
-    for name in sorted(open_ones):
-        print(f"\nlines for {name} (or --into {name}):")
-        sections = (s for one in found for s in one.sections if kinds[s.file] == name)
-        print(*(section_text(section).rstrip("\n") for section in sections), sep="\n")
+
+
+def _tell_lines(file: Path, sections: list[Section]) -> None:
+    """What a file needs that was not told with ``--into``."""
+    from vmach.importers.toml_text import section_text
+
+    print(f"\nlines for {file} (or --into {typed(file)}):")
+    print(*(section_text(section).rstrip("\n") for section in sections), sep="\n")
 
 
 def _list_kinds() -> None:

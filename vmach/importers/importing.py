@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,7 +20,14 @@ from vmach.importers.toml_text import text_with
 from vmach.job.schema import JobSchema
 from vmach.machine.files.machine_schema import MachineSchema
 
-__all__ = ["Target", "import_files", "is_machine", "kind_of", "write_imported"]
+__all__ = [
+    "Target",
+    "import_files",
+    "is_machine",
+    "kind_of",
+    "lines_to_paste",
+    "write_imported",
+]
 
 
 @dataclass(frozen=True)
@@ -150,7 +157,7 @@ def _edited(imported: Sequence[Imported], target: Target) -> dict[Path, str]:
         before = read_text(path, what="file to edit")
         kind = "machine" if is_machine(path) else "job"
         schema = MachineSchema if kind == "machine" else JobSchema
-        own = [_relative(s, target.folder, path) for s in sections if s.file == kind]
+        own = [_seen_from(path.parent, s, target.folder) for s in sections if s.file == kind]
         if not own:
             _check_is_edited(path, before)
             continue
@@ -186,9 +193,31 @@ def is_machine(path: Path) -> bool:
     return any(line.replace(" ", "").startswith("chain=") for line in text.splitlines())
 
 
-def _relative(section: Section, folder: Path, file: Path) -> Section:
-    """The section with its files seen from the folder of the file that names them."""
-    here = file.parent.resolve()
+def lines_to_paste(
+    imported: Sequence[Imported], target: Target, known: Mapping[str, Path | None]
+) -> dict[Path, list[Section]]:
+    """Sections that were written nowhere, by the file that needs them.
+
+    Parameters
+    ----------
+    imported : sequence of Imported
+    target : Target
+    known : mapping of str to Path or None
+        The machine file ("machine") and the job ("job"), where they are known; the lines name
+        files as seen from there. Else as ``machine.toml`` and ``job.toml`` in the current folder.
+    """
+    found: dict[Path, list[Section]] = {}
+    written = {"machine" if is_machine(path) else "job" for path in target.into}
+    for section in (section for one in imported for section in one.sections):
+        if section.file not in written:
+            file = known.get(section.file) or Path(f"{section.file}.toml")
+            found.setdefault(file, []).append(_seen_from(file.parent, section, target.folder))
+    return found
+
+
+def _seen_from(place: Path, section: Section, folder: Path) -> Section:
+    """The section with its files, which lie in `folder`, seen from the file that names them."""
+    here = place.resolve()
     values = dict(section.values)
     for key in ("table", "file", "measured"):
         if key in values:

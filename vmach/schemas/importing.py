@@ -18,6 +18,7 @@ class _Section(Output):
     is_array: bool
     """One more ``[[table]]`` instead of the one ``[table]``."""
     values: dict[str, Any]
+    """Files as in `files`: relative to the folder of results."""
 
 
 class _Imported(Output):
