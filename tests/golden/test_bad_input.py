@@ -114,6 +114,16 @@ CASES = {
         lambda f: replace(f / "job.toml", "diameter_mm = 10", "diameter_mm = 0"),
         ["job.toml:", "tools.1.diameter_mm", "greater than 0"],
     ),
+    "tool of no diameter to speak of": (
+        lambda f: replace(f / "job.toml", "diameter_mm = 10", "diameter_mm = 1e-300"),
+        ["job.toml:", "tools.1.diameter_mm", "accepted: 1e-09 or more"],
+    ),
+    "spacing of points that divides by zero": (
+        lambda f: replace(
+            f / "job.toml", "[tools.1]", "[inspection]\nspacing_mm = 1e-300\n[tools.1]"
+        ),
+        ["job.toml:", "'inspection.spacing_mm' = 1e-300", "accepted: 1e-09 or more"],
+    ),
     "corner radius larger than the tool": (
         lambda f: replace(f / "job.toml", 'shape = "flat"', 'shape = "bull"\ncorner_radius_mm = 6'),
         ["job.toml:", "tool 1", "corner_radius_mm = 6", "accepted"],

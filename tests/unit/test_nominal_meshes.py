@@ -221,6 +221,8 @@ def test_a_narrow_region_has_rows_near_both_long_edges_and_between(tmp_path):
 
 def test_narrow_faces_of_step_have_points_near_both_edges():
     part = read_nominal(Path(__file__).parents[1] / "golden" / "cad" / "features.step")
+    with pytest.raises(InputError, match="spacing 1e-300 mm; accepted: 1e-09 mm or more"):
+        part.sample(1e-300)
     points = part.sample(8.0, edge_margin_mm=0.1)
     for name in ("face 3 cylinder R2", "face 16 cylinder R2"):
         face = next(face for face in part.faces if face.name == name)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -44,6 +45,8 @@ __all__ = [
 
 #: beyond this a number in a file is a slip, whatever its unit: a kilometre, a radian in urad
 _LARGEST = 1e6
+#: and so is a number above 0 that is less: a picometre in mm. Its square divides, and may be 0
+_SMALLEST = 1e-9
 
 #: of a TOML file; those of the samples have less than a hundredth. Python reads as much in 5 s
 _LARGEST_TOML_BYTES = 2**20
@@ -52,9 +55,20 @@ _MOST_COMPLAINTS = 100
 #: characters of a line or a value that a message shows
 _LONGEST_QUOTE = 120
 
+
+def _at_least(smallest: float, value: float) -> float:
+    if value < smallest:
+        raise ValueError(f"accepted: {smallest:g} or more")
+    return value
+
+
 _Number = Annotated[float, Strict()]  # "10" and true are no numbers
 Finite = Annotated[_Number, Field(ge=-_LARGEST, le=_LARGEST, allow_inf_nan=False)]
-Positive = Annotated[_Number, Field(gt=0, le=_LARGEST, allow_inf_nan=False)]
+Positive = Annotated[
+    _Number,
+    Field(gt=0, le=_LARGEST, allow_inf_nan=False),
+    AfterValidator(lambda value: _at_least(_SMALLEST, value)),
+]
 NonNegative = Annotated[_Number, Field(ge=0, le=_LARGEST, allow_inf_nan=False)]
 Flag = Annotated[bool, Strict()]
 Whole = Annotated[int, Strict(), Field(ge=1)]

@@ -30,6 +30,9 @@ __all__ = [
 #: nothing of a part lies farther from the workpiece zero: more than the longest machines travel
 LARGEST_MM = 1e5
 
+#: finer ones are a slip: a picometre
+_SMALLEST_SPACING_MM = 1e-9
+
 #: at an edge the deviation along a normal is not defined, so points keep this distance
 EDGE_MARGIN_MM = 0.05
 
@@ -205,8 +208,9 @@ class NominalPart:
         )
 
     def _check(self, spacing_mm: float, edge_margin_mm: float, max_points: int) -> None:
-        if not (np.isfinite(spacing_mm) and spacing_mm > 0.0):
-            raise InputError(f"spacing {spacing_mm} mm", accepted="a number above 0")
+        if not (np.isfinite(spacing_mm) and spacing_mm >= _SMALLEST_SPACING_MM):
+            accepted = f"{_SMALLEST_SPACING_MM:g} mm or more"
+            raise InputError(f"spacing {spacing_mm} mm", accepted=accepted)
         if not (np.isfinite(edge_margin_mm) and edge_margin_mm >= 0.0):
             raise InputError(f"edge margin {edge_margin_mm} mm", accepted="0 or a number above it")
         area_mm2 = sum(face.area_mm2 for face in self.faces)
