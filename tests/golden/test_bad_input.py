@@ -258,6 +258,37 @@ def test_no_result_replaces_a_file_that_is_read(arguments, job, monkeypatch, cap
     assert {path: path.read_bytes() for path in job.parent.iterdir()} == before
 
 
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (
+            ["predict", "--points", "points.csv", "-o", "t.xlsx"],
+            "'.xlsx' for a table; accepted: .csv",
+        ),
+        (["path", "-o", "t.txt"], "'.txt' for a table; accepted: .csv, .npz, .parquet"),
+        (["history", "--picture", "t.jpg"], "'.jpg' for the picture; accepted: .png"),
+        (["run", "--part", "t.foo"], "'.foo' for the coloured part; accepted: .stl, .3mf, .glb"),
+        (["run", "--part", "t"], "a name without an ending for the coloured part; accepted: "),
+        (["diagnose", "--json", "t.csv"], "'.csv' for figures in JSON; accepted: .json"),
+        (["compensate", "-o", "t.nc", "--report", "t.pdf"], "'.pdf' for a report; accepted: .html"),
+        (["set", "backlash:X.reversal_um=3", "-o", "t.csv"], "'.csv' for a job; accepted: .toml"),
+        (["add", "backlash:X", "-o", "t.csv"], "'.csv' for a job; accepted: .toml"),
+    ],
+)
+def test_an_ending_of_another_kind_is_refused_before_the_work(
+    arguments, said, job, monkeypatch, capsys
+):
+    monkeypatch.chdir(job.parent)
+    before = sorted(job.parent.iterdir())
+    job.with_name("part.nc").unlink()  # the work could not begin
+    job.with_name("part.nc").write_text("%\nnonsense\n")
+    command, *rest = arguments
+    status, _, message = run_vmach(monkeypatch, capsys, command, job.name, *rest)
+    assert status == 1
+    assert "vmach: t" in message and said in message
+    assert sorted(job.parent.iterdir()) == before
+
+
 @pytest.mark.parametrize("raised", [KeyboardInterrupt, SystemExit(130)])
 def test_an_interrupt_ends_with_one_line(raised, monkeypatch, capsys):
     def interrupted():

@@ -41,6 +41,14 @@ def test_npz(tmp_path):
         assert found["state"].tolist() == CELLS["state"]
 
 
+def test_the_case_of_an_ending_does_not_matter(tmp_path):
+    write_table(tmp_path / "t.NPZ", COLUMNS)
+    with np.load(tmp_path / "t.NPZ", allow_pickle=False) as found:
+        assert found["line"].tolist() == [7, 0, 9]
+    write_table(tmp_path / "t", COLUMNS)
+    assert (tmp_path / "t").read_text(encoding="utf-8").startswith("id,x_um,line,state")
+
+
 def test_parquet(tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
     write_table(tmp_path / "t.parquet", COLUMNS)

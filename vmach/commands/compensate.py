@@ -24,6 +24,7 @@ from vmach.commands.options import (
 )
 from vmach.errors import InputError
 from vmach.files.atomic import atomic_file, check_outputs
+from vmach.files.ending import check_ending
 from vmach.files.together import together
 
 if TYPE_CHECKING:
@@ -83,6 +84,7 @@ def compensate(
     read = read_job(job)
     target_control(dialect_of(read.program, read.dialect), dialect, file=read.program)
     check_outputs([out, report], inputs=input_files(read))
+    check_ending(report, [".html", ".htm"], what="a report")
     tell_doubts(read)
     effects = read_effects(read.effects, file=read.path, job=read)
     with progress_bar() as progress:

@@ -26,6 +26,7 @@ from vmach.commands.options import (
     typed,
 )
 from vmach.files.atomic import atomic_file, check_folder, check_outputs
+from vmach.files.ending import check_ending
 from vmach.files.together import together
 
 if TYPE_CHECKING:
@@ -69,6 +70,7 @@ def diagnose(
     next_path = next_file or (json_file.with_name("next.nc") if json_file else None)
     inputs = input_files(read)
     check_outputs([json_file, next_path], inputs=inputs)
+    check_ending(json_file, [".json"], what="figures in JSON")
     if out is not None:
         check_folder(out, FOLDER_FILES, inputs=inputs)
     tell_doubts(read)
@@ -192,6 +194,7 @@ def add(
 
     _load(effect_file)
     check_outputs([out])
+    check_ending(out, [".toml"], what="a job")
     with progress_bar() as progress:
         progress("fit", 0, 1)
         notes: list[Note] = []
@@ -262,6 +265,7 @@ def set_job_values(
 
     _load(effect_file)
     check_outputs([out])
+    check_ending(out, [".toml"], what="a job")
     written, machine = set_values(job, values, out=out)
     if as_json:
         told = {"job": str(written), "machine": machine and str(machine)}
@@ -296,6 +300,7 @@ def history(
     check = _other_part(read, check_job, check_program, check_points)
     picture = picture or (job if job.is_dir() else job.parent) / "history.png"
     check_outputs([picture], inputs=input_files(read))
+    check_ending(picture, [".png"], what="the picture")
     with progress_bar() as progress:
         progress("evaluate", 0, 1)
         steps = history_of(read, check=check)

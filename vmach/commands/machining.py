@@ -32,6 +32,7 @@ from vmach.commands.options import (
 )
 from vmach.errors import InputError
 from vmach.files.atomic import check_folder, check_outputs
+from vmach.files.ending import check_ending
 from vmach.files.together import together
 
 if TYPE_CHECKING:
@@ -64,7 +65,9 @@ def run(
 ) -> None:
     """Machine the part virtually and compare it with its CAD."""
     from stock.solid.cut_aside import cutter_at_hand
+    from stock.solid.export import PART_FORMATS
 
+    check_ending(part, PART_FORMATS, what="the coloured part", is_needed=True)
     variants = (Variant.NONE,) if model is Variant.NONE else (Variant.NONE, model)
     if part is not None:
         if solid is False:

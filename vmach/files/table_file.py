@@ -12,20 +12,22 @@ import numpy as np
 from vmach.errors import InputError
 from vmach.files.atomic import atomic_file
 from vmach.files.csv_table import Cells, write_csv
+from vmach.files.ending import check_ending
 
 __all__ = ["check_table_file", "write_table"]
 
-_NPZ, _PARQUET = ".npz", ".parquet"
+_CSV, _NPZ, _PARQUET = ".csv", ".npz", ".parquet"
 
 
 def check_table_file(path: Path | None) -> None:
-    """Refuse an ending that cannot be written here; asked before the work begins.
+    """Refuse an ending that is not written, or not here; asked before the work begins.
 
     Raises
     ------
     InputError
     """
-    if path is not None and path.suffix == _PARQUET and find_spec("pyarrow") is None:
+    check_ending(path, (_CSV, _NPZ, _PARQUET), what="a table")
+    if path is not None and _ending(path) == _PARQUET and find_spec("pyarrow") is None:
         raise InputError(
             "Parquet needs the package pyarrow",
             file=path,
@@ -37,23 +39,28 @@ def write_table(path: Path, columns: Mapping[str, Cells]) -> None:
     """Write columns of equal length, the whole file or nothing.
 
     ``.npz`` has an array for every column: empty cells are NaN among numbers and 0 among whole
-    numbers. ``.parquet`` has nulls there. Any other ending is CSV.
+    numbers. ``.parquet`` has nulls there. ``.csv`` and a name without an ending are CSV.
 
     Raises
     ------
     InputError
-        The file cannot be written.
+        Another ending, or the file cannot be written.
     """
     check_table_file(path)
     with atomic_file(path) as temporary:
-        if path.suffix == _NPZ:
+        if _ending(path) == _NPZ:
             arrays: dict[str, Any] = {name: _array(cells) for name, cells in columns.items()}
-            np.savez(temporary, **arrays)
-        elif path.suffix == _PARQUET:
+            with temporary.open("wb") as file:  # by its name, .NPZ would become .NPZ.npz
+                np.savez(file, **arrays)
+        elif _ending(path) == _PARQUET:
             _write_parquet(temporary, columns)
         else:
             with temporary.open("wb") as file:
                 write_csv(file, columns)
+
+
+def _ending(path: Path) -> str:
+    return path.suffix.lower()
 
 
 def _array(cells: Cells) -> np.ndarray:
