@@ -112,6 +112,14 @@ def test_budget_file_changes_the_uncertainty(runs, tmp_path, capsys):
     assert table["U_k2"]["E"] == pytest.approx(2 * 0.5036, abs=0.01)
 
 
+@pytest.mark.parametrize("text", ["", "# to be filled in\n"])
+def test_a_budget_file_that_says_nothing_is_refused(runs, tmp_path, text):
+    """It would be told as the source of figures that are all assumed."""
+    (tmp_path / "budget.toml").write_text(text)
+    with pytest.raises(InputError, match=r"names no contributor; accepted: wavelength_um, .*hint"):
+        iso230(runs, budget=tmp_path / "budget.toml")
+
+
 def test_complaints(runs, tmp_path):
     with pytest.raises(InputError, match="--unit parsec"):
         iso230(runs, unit="parsec")

@@ -155,6 +155,19 @@ def test_a_job_in_another_folder_finds_its_files(job, tmp_path):
     assert read_job(made).program.read_bytes() == read_job(job).program.read_bytes()
 
 
+@pytest.mark.parametrize("words", [
+    ["backlash:X.reversal_um=3", "backlash:Y.reversal_um=3", "backlash:X.reversal_um=4"],
+    ["EXX.measured_at_mm=1,2,3", "EXX.measured_at_mm=4,5,6"],
+    ["EXX=a.csv", "EXX=b.csv"],
+])  # fmt: skip
+def test_a_value_is_told_once(job, words):
+    with pytest.raises(InputError) as caught:
+        set_values(job, words)
+    assert repr(words[0]) in caught.value.what and repr(words[-1]) in caught.value.what
+    assert caught.value.accepted == "every value once"
+    assert not job.with_name("job-2.toml").exists()
+
+
 @pytest.mark.parametrize("is_told", [False, True])
 def test_a_name_that_another_command_takes_meanwhile_is_its(job, monkeypatch, is_told):
     """The other one writes after this one has looked which name is free."""

@@ -113,6 +113,7 @@ def _quoting(error: InputError, values: Sequence[_EffectValue]) -> InputError:
 def _read(words: Sequence[str]) -> tuple[list[_EffectValue], list[MachineValue]]:
     effects: list[_EffectValue] = []
     machine: list[MachineValue] = []
+    _check_once(words)
     for word in words:
         if match := _PLACE.fullmatch(word):
             machine.append(MachineValue(match["component"], place_mm=_three(word, match["place"])))
@@ -129,6 +130,17 @@ def _read(words: Sequence[str]) -> tuple[list[_EffectValue], list[MachineValue]]
                 f"component error {one.component!r}", accepted=", ".join(COMPONENT_NAMES)
             )
     return effects, machine
+
+
+def _check_once(words: Sequence[str]) -> None:
+    """Refuse a value that is told twice: which of the two was meant?"""
+    seen: dict[str, str] = {}
+    for word in words:
+        what = word.partition("=")[0]
+        if what in seen:
+            said = f"{word!r}: {what} is told already, {seen[what]!r}"
+            raise InputError(said, accepted="every value once")
+        seen[what] = word
 
 
 def _number(word: str, text: str) -> float:

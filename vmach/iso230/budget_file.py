@@ -8,6 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from vmach.base.units import mm_from_um, rad_from_urad
+from vmach.errors import InputError
 from vmach.files.toml_file import FileSection, NonNegative, read_toml
 from vmach.iso230.uncertainty import Budget
 
@@ -28,8 +29,21 @@ class _BudgetFile(FileSection):
 
 
 def read_budget(path: Path | None) -> Budget:
-    """The contributors in a TOML file; without one those of Table 8 of the KTH thesis."""
+    """The contributors in a TOML file; without one those of Table 8 of the KTH thesis.
+
+    Raises
+    ------
+    InputError
+        A file that cannot be read, or that says no contributor: all would be assumed.
+    """
     file = _BudgetFile() if path is None else read_toml(path, _BudgetFile, what="budget file")
+    if path is not None and not file.model_fields_set:
+        raise InputError(
+            "the budget file names no contributor",
+            file=path,
+            accepted=", ".join(_BudgetFile.model_fields),
+            hint="without --budget those of a thesis are assumed",
+        )
     return Budget(
         wavelength_mm=mm_from_um(file.wavelength_um),
         air_mm=mm_from_um(file.air_um),
