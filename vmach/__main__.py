@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import traceback
 from pathlib import Path
@@ -11,9 +12,9 @@ __all__ = ["main"]
 
 
 def main() -> None:
-    """Run the command line; Ctrl-C and faults of the program end it with one line.
+    """Run the command line; Ctrl-C, SIGTERM and faults of the program end it with one line.
 
-    Exit status 130 after Ctrl-C, 70 after a fault of the program itself; with
+    Exit status 130 after Ctrl-C, 143 after SIGTERM, 70 after a fault of the program itself; with
     ``VMACH_TRACEBACK=1`` in the environment such a fault shows where it comes from.
     """
     try:
@@ -48,13 +49,14 @@ def main() -> None:
 def _run() -> None:
     # loaded here, so that Ctrl-C meanwhile is caught too
     from vmach.base.broken_pipe import end_when_the_reader_leaves
-    from vmach.base.interrupt import repeat_lost_interrupts
+    from vmach.base.interrupt import interrupt_on_termination, repeat_lost_interrupts
     from vmach.base.memory import keep_small_arrays
     from vmach.base.terminal import protect_terminal
 
     if sys.stdout is sys.__stdout__:  # not called by a program
         end_when_the_reader_leaves()
         repeat_lost_interrupts()
+        interrupt_on_termination()
     protect_terminal()
     keep_small_arrays()
     from vmach.cli import main as command_line
@@ -72,7 +74,11 @@ def _end_if_a_cache_is_damaged(error: Exception) -> None:
 
 
 def _interrupted() -> None:
-    _end(130, "interrupted; no file is half-written")
+    from vmach.base.interrupt import was_terminated
+
+    if was_terminated():
+        _end(128 + signal.SIGTERM, "ended by SIGTERM; no file is half-written")
+    _end(128 + signal.SIGINT, "interrupted; no file is half-written")
 
 
 def _end(status: int, text: str) -> None:

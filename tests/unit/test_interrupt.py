@@ -4,6 +4,7 @@ import multiprocessing
 import signal
 import subprocess
 import sys
+import time
 from multiprocessing import resource_tracker
 
 import pytest
@@ -44,6 +45,38 @@ def test_other_exceptions_there_are_reported_as_ever():
     found = said(f"{REPEAT}\nKeyboardInterrupt = ZeroDivisionError")
     assert found.stdout == "went on\n"
     assert "ZeroDivisionError" in found.stderr
+
+
+WRITER = """
+import sys, time
+from pathlib import Path
+from vmach import __main__, cli
+from vmach.files.atomic import atomic_folder
+
+def write():
+    with atomic_folder(Path(sys.argv[1])) as folder:
+        (folder / "half").write_text("half")
+        print("writing", flush=True)
+        try:
+            time.sleep(60)
+        finally:
+            time.sleep(0.5)
+
+cli.main = write
+__main__.main()
+"""
+
+
+def test_who_is_told_to_end_says_so_and_leaves_nothing(tmp_path):
+    command = [sys.executable, "-P", "-c", WRITER, str(tmp_path / "out")]
+    run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert run.stdout.readline() == "writing\n"
+    run.terminate()
+    time.sleep(0.2)
+    run.terminate()  # as timeout does, while it clears away
+    assert run.communicate(timeout=60)[1] == "vmach: ended by SIGTERM; no file is half-written\n"
+    assert run.returncode == 143
+    assert not list(tmp_path.iterdir())
 
 
 def hears(told):

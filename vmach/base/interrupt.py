@@ -2,6 +2,9 @@
 
 A compiler's library calls back into Python, and so does the collector. An exception there has
 nobody to go to: Python reports it and goes on, and the work that somebody wanted to end with it.
+
+SIGTERM, as of ``kill``, ``timeout`` and systems that shut down, counts as Ctrl-C does: the default
+would end the process at once, with what it was writing left behind.
 """
 
 from __future__ import annotations
@@ -14,10 +17,37 @@ import threading
 from collections.abc import Iterator
 from typing import Any
 
-__all__ = ["interrupts_are_not_for_children", "repeat_lost_interrupts"]
+__all__ = [
+    "interrupt_on_termination",
+    "interrupts_are_not_for_children",
+    "repeat_lost_interrupts",
+    "was_terminated",
+]
 
 #: an interrupt that was passed over is repeated so much later, when the call has returned
 _AGAIN_S = 0.02
+#: set when SIGTERM has come
+_terminated = threading.Event()
+
+
+def interrupt_on_termination() -> None:
+    """From now on SIGTERM raises `KeyboardInterrupt` in the main thread, where it is not ignored.
+
+    Once: ``timeout`` sends it twice, and the second would interrupt the clearing away.
+    """
+    if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
+        signal.signal(signal.SIGTERM, _interrupt_once)
+
+
+def _interrupt_once(number: int, frame: object) -> None:
+    if not _terminated.is_set():
+        _terminated.set()
+        raise KeyboardInterrupt
+
+
+def was_terminated() -> bool:
+    """Whether SIGTERM is what interrupted this process."""
+    return _terminated.is_set()
 
 
 def repeat_lost_interrupts() -> None:
