@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 __all__ = ["ProgramError", "UnknownToolError"]
@@ -52,11 +51,10 @@ class ProgramError(ValueError):
         self.line = line if self.line is None else self.line
         return self
 
-    def in_block(self, lines: Sequence[str]) -> ProgramError:
-        """Show the block at fault, out of the program's lines; returns the error itself."""
-        if self.line is not None and 0 < self.line <= len(lines):
-            text = lines[self.line - 1].strip()
-            self.block = text if len(text) <= _SHOWN else text[:_SHOWN] + "..."
+    def in_block(self, text: str) -> ProgramError:
+        """Show the block at fault; returns the error itself."""
+        text = text.strip()
+        self.block = text if len(text) <= _SHOWN else text[:_SHOWN] + "..."
         return self
 
     def __str__(self) -> str:
@@ -73,4 +71,12 @@ class ProgramError(ValueError):
 
 
 class UnknownToolError(ProgramError):
-    """A program asks for a tool that is not in the tool table."""
+    """A program asks for a tool that is not in the tool table.
+
+    Attributes
+    ----------
+    number : int or None
+        The tool that the table lacks; None where the program says a name, or means an offset.
+    """
+
+    number: int | None = None

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from gcode.control.predefined import install_predefined
-from gcode.errors import ProgramError
+from gcode.errors import ProgramError, UnknownToolError
 from gcode.geometry.arc_tolerance import ArcTolerance, arc_tolerance
 from gcode.language.confirmation import unconfirmed_words
 from gcode.language.dialect import Dialect
@@ -28,7 +28,7 @@ from gcode.state.record import Record
 from gcode.state.tools import OffsetEntry, ToolEntry, offset_memory
 from gcode.state.trace import PlainLines, Step, Trace
 from gcode.text.parameters import system_base
-from gcode.text.source import Source
+from gcode.text.source import Source, readable, readable_quotes
 
 #: Smaller programs are read before the compiled reader would be loaded, bytes.
 _FAST_FROM = 50_000
@@ -152,7 +152,11 @@ class Program:
 def _placed(error: ProgramError, source: Source) -> ProgramError:
     """The error with its file, and the block at fault where that is of the program itself."""
     error.located(file=source.path, line=None)
-    return error.in_block(source.lines) if error.file == source.path else error
+    if error.file != source.path or not error.line or error.line > len(source.lines):
+        return error
+    line = source.lines[error.line - 1]
+    error.what = readable_quotes(error.what, line)
+    return error.in_block(readable(line))
 
 
 def read_program(
@@ -270,7 +274,8 @@ def _run_as_recognised(
         if other.dialect is spoken.dialect:
             if spoken.dialect.is_rs274:
                 name_unread_control(data.decode("latin-1"))
-            if spoken.is_fallback and _NUMBERED.match(data):
+            is_of_tools = isinstance(error, UnknownToolError)  # whatever the control
+            if spoken.is_fallback and not is_of_tools and _NUMBERED.match(data):
                 error.hint = "it begins with a program number: is it for FANUC or Haas?"
             seems = choose_dialect("auto", data, whole=True)
             if seems.dialect is not spoken.dialect and not seems.is_fallback:

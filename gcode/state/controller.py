@@ -186,11 +186,13 @@ class Controller:
         """Raise UnknownToolError for a tool that is not in the magazine; 0 stands for none."""
         if number and number not in self.tools:
             known = ", ".join(str(n) for n in sorted(self.tools)) or "none"
-            raise UnknownToolError(
+            error = UnknownToolError(
                 f"{word}{number}: tool {number} is not in the tool table",
                 accepted=f"tools {known}",
                 hint="add the tool to the table",
             )
+            error.number = number
+            raise error
 
     def tool_named(self, name: str) -> int:
         """Number of the tool of that name, whatever its case; raises UnknownToolError."""

@@ -119,7 +119,11 @@ def read_tool_table(path: str | Path, *, unit_mm: float = 1.0) -> dict[int, Tool
         For a row without T, or with two rows for one tool.
     """
     tools: dict[int, ToolEntry] = {}
-    text = read_regular_file(path).decode("utf-8", errors="replace")
+    data = read_regular_file(path)
+    if b"\0" in data:
+        what = "the tool table is no text: it holds zero bytes"
+        raise ProgramError(what, file=path, accepted="rows such as T1 P1 D6.0 Z50.2 ; remark")
+    text = data.decode("utf-8", errors="replace")
     for number, line in enumerate(text.splitlines(), 1):
         content = line.split(";")[0].strip()
         if not content:

@@ -13,7 +13,7 @@ import numpy as np
 from gcode.errors import ProgramError
 from gcode.text.regular_file import read_regular_file
 
-__all__ = ["Source", "Word", "readable"]
+__all__ = ["Source", "Word", "readable", "readable_quotes"]
 
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
@@ -34,6 +34,8 @@ _TOKEN = re.compile(
 #: no length has so many digits; from 309 on a number is infinite, from 4,301 on Python refuses it
 _LONG_DIGITS = 100
 _LONG_NUMBER = re.compile(rb"\d{%d,}" % _LONG_DIGITS)
+#: of characters beyond ASCII
+_BYTES = re.compile("[\x80-\xff]+")
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,19 @@ def readable(line: str) -> str:
         except UnicodeError:
             continue
     return line
+
+
+def readable_quotes(message: str, line: str) -> str:
+    """A message about a line of a `Source`, with what it quotes as people wrote it.
+
+    A byte of a character, also in lower case, becomes the whole character.
+    """
+
+    def whole(found: re.Match[str]) -> str:
+        place = re.search(re.escape(found[0]) + "[\x80-\xbf]*", line, re.IGNORECASE)
+        return readable(place[0] if place else found[0])
+
+    return _BYTES.sub(whole, message)
 
 
 class Source:

@@ -130,7 +130,11 @@ CASES = {
     ),
     "tool that the job lacks": (
         lambda f: replace(f / "part.nc", "T1 M6", "T7 M6"),
-        ["part.nc:3", "T7", "accepted: tools 1"],
+        ["part.nc:3", "T7", "accepted: tools 1", "(hint: add a table [tools.7] with shape, diam"],
+    ),
+    "tool that the job lacks, in a program with a number": (
+        lambda f: replace(f / "part.nc", "G21 G17 G90 G94 G40\nT1 M6", "O1\nG21 G90\nT7 M6"),
+        ["part.nc:4", "T7", "(hint: add a table [tools.7] with", "length_mm to job.toml)"],
     ),
     "move outside the travel": (
         lambda f: replace(f / "part.nc", "X40 Y0", "X340 Y0"),
@@ -287,6 +291,21 @@ def test_an_ending_of_another_kind_is_refused_before_the_work(
     assert status == 1
     assert "vmach: t" in message and said in message
     assert sorted(job.parent.iterdir()) == before
+
+
+@pytest.mark.parametrize("command", ["canon", "predict", "init"])
+def test_a_folder_is_no_program(command, job, monkeypatch, capsys):
+    monkeypatch.chdir(job.parent)
+    job.with_name("programs").mkdir()
+    words = {
+        "canon": ["programs"],
+        "predict": [job.name, "--points", "points.csv", "--program", "programs"],
+        "init": ["--program", "programs", "--yes"],
+    }[command]
+    status, _, message = run_vmach(monkeypatch, capsys, command, *words)
+    assert (status, message) == (
+        1, "vmach: programs: NC program is a folder, not a file; accepted: a file\n",
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize("raised", [KeyboardInterrupt, SystemExit(130)])

@@ -2,7 +2,15 @@
 
 import pytest
 
-from gcode import ARC_TOLERANCES, MachineLimits, ProgramError, Source, read_program, read_tool_table
+from gcode import (
+    ARC_TOLERANCES,
+    MachineLimits,
+    ProgramError,
+    Source,
+    ToolEntry,
+    read_program,
+    read_tool_table,
+)
 
 
 def refusal(text, **options):
@@ -47,6 +55,29 @@ def test_refused_with_file_line_and_reason(text, line, words):
     message = refusal(text)
     assert message.startswith(f"part.nc:{line}:")
     assert words in message
+
+
+@pytest.mark.parametrize(("text", "dialect", "said"), [
+    ("G21\nG0 \u042510 Y0\n", "linuxcnc", "bad character '\u0425': 'G0 \u042510 Y0'"),
+    ("N10 G54\nN20 \u0425=10\n", "sinumerik", "word '\u0425' is not read: 'N20 \u0425=10'"),
+    ("0 BEGIN PGM A MM\n1 L X+\u041e F9\n", "heidenhain", "cannot read 'X+\u041e F9'"),
+    ("G21\nG0 X1 Q" + 40 * "\u0425" + "\n", "linuxcnc", "at '\u0425\u0425"),
+])  # fmt: skip
+def test_characters_are_shown_as_people_wrote_them(text, dialect, said):
+    """Programs are read byte by byte; a letter of two bytes is still shown as one."""
+    message = refusal(text, dialect=dialect)
+    assert said in message
+    assert not set(message) & set(map(chr, range(0x80, 0x100)))
+
+
+def test_a_character_of_one_byte_is_shown_too():
+    with pytest.raises(ProgramError, match="bad character 'Ü': 'G0 Ü1'"):
+        read_program(Source("G0 Ü1\n".encode("cp1252"), "part.nc"))
+
+
+def test_a_missing_tool_is_no_question_of_the_control():
+    message = refusal("%\nO7 (PART)\nG21 G90\nT7 M6\nM30\n%\n", tools={1: ToolEntry()})
+    assert message.endswith("(hint: add the tool to the table)")
 
 
 def test_message_says_what_is_accepted_and_gives_a_hint():

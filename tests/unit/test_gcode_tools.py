@@ -26,6 +26,13 @@ def test_inches_become_mm(tmp_path):
     assert read_tool_table(path, unit_mm=25.4)[1].length_mm == 50.25 * 25.4
 
 
+def test_a_file_that_is_no_text_is_no_table(tmp_path):
+    path = tmp_path / "tool.tbl"
+    path.write_bytes(b"\x7fELF\x02\0\0\x1b[2J\n")
+    with pytest.raises(ProgramError, match="the tool table is no text: it holds zero bytes"):
+        read_tool_table(path)
+
+
 def test_canon_says_where_its_tools_come_from(tmp_path):
     program, table = tmp_path / "part.ngc", tmp_path / "tool.tbl"
     program.write_text("G43 H1\nM2\n")

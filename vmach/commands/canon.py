@@ -11,7 +11,7 @@ import typer
 
 from vmach.base.progress import progress_bar
 from vmach.commands.options import AsJson
-from vmach.errors import InputError
+from vmach.files.text_file import check_is_file
 
 __all__ = ["canon"]
 
@@ -39,8 +39,7 @@ def canon(
         read_tool_table,
     )
 
-    if not program.is_file():
-        raise InputError("NC program not found", file=program)
+    check_is_file(program, what="NC program")
     unit_mm = {"mm": 1.0, "inch": 25.4}[machine_unit]
     table = read_tool_table(tools, unit_mm=unit_mm) if tools is not None else {}
     with progress_bar() as progress:

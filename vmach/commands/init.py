@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from vmach.errors import InputError
+from vmach.files.text_file import check_is_file
 
 __all__ = ["init"]
 
@@ -40,8 +41,7 @@ def init(
 
     asks = sys.stdin.isatty() and not yes
     program = program or _only(folder, _PROGRAMS, "program")
-    if not program.is_file():
-        raise InputError("NC program not found", file=program)
+    check_is_file(program, what="NC program")
     nominal = nominal or _only_or_none(folder, _PARTS)
     if kinematics is None and asks:
         for kind in KINEMATICS.values():

@@ -105,6 +105,22 @@ def read_bytes(path: Path, *, what: str, largest_bytes: int = _LARGEST_BYTES) ->
     return content
 
 
+def check_is_file(path: Path, *, what: str) -> None:
+    """Refuse what a program reads itself, where it is no file.
+
+    Raises
+    ------
+    InputError
+        No such file, a folder, a device.
+    """
+    if path.is_dir():
+        raise InputError(f"{what} is a folder, not a file", file=path, accepted="a file")
+    if not path.exists():
+        raise InputError(f"{what} not found", file=path)
+    if not path.is_file():
+        raise InputError(f"{what} is a device or a pipe, not a file", file=path, accepted="a file")
+
+
 def csv_rows(lines: Iterable[str], path: Path) -> Iterator[list[str]]:
     """Rows of a CSV file, as `csv.reader` gives them.
 

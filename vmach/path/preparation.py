@@ -15,12 +15,14 @@ from gcode import (
     Moves,
     Program,
     ToolEntry,
+    UnknownToolError,
     read_program,
 )
 from gcode import Note as ProgramNote
 from stock import Tool, compile_ahead
 from vmach.base.note import Kind, Note, in_file
 from vmach.errors import InputError
+from vmach.files.text_file import check_is_file
 from vmach.job import Job
 from vmach.path.geometry import position_at
 from vmach.path.toolpath import NODE_SPACING_MM, Toolpath
@@ -93,18 +95,9 @@ def prepare(
         leaves the travel.
     """
     source = program_path or job.program
-    if not source.is_file():
-        raise InputError("NC program not found", file=source)
+    check_is_file(source, what="NC program")
     compile_ahead()
-    program = read_program(
-        source,
-        work_offsets_mm=job.work_offsets_mm,
-        tools={k: ToolEntry(t.length_mm, t.diameter_mm, name=t.name) for k, t in job.tools.items()},
-        offsets=job.offsets,
-        limits=_limits(job),
-        dialect=job.dialect,
-        control=job.control,
-    )
+    program = _read(source, job)
     moves, notes = _with_only_tool(program.moves, job, source)
     notes = _assumptions(program) + notes
     _check_tools(job, moves, source)
@@ -129,6 +122,25 @@ def prepare(
     index[list(job.tools)] = np.arange(len(job.tools))
     cutters = tuple(tool.cutter for tool in job.tools.values())
     return Preparation(job, program, path, zero, cutters, index, notes, doubtful)
+
+
+def _read(source: Path, job: Job) -> Program:
+    tools = {k: ToolEntry(t.length_mm, t.diameter_mm, name=t.name) for k, t in job.tools.items()}
+    try:
+        return read_program(
+            source,
+            work_offsets_mm=job.work_offsets_mm,
+            tools=tools,
+            offsets=job.offsets,
+            limits=_limits(job),
+            dialect=job.dialect,
+            control=job.control,
+        )
+    except UnknownToolError as error:
+        if error.number is not None:
+            keys = "shape, diameter_mm and length_mm"
+            error.hint = f"add a table [tools.{error.number}] with {keys} to {job.path.name}"
+        raise
 
 
 def _assumptions(program: Program) -> tuple[Note, ...]:
