@@ -7,11 +7,17 @@ import json
 
 import numpy as np
 import pytest
+import trimesh
 
 from tests.small_job import PROGRAM, pocket_points, write_job, write_points
 from vmach.commands.machining import compare
 from vmach.errors import InputError
+from vmach.features.evaluation import evaluate
+from vmach.features.feature import Points
 from vmach.features.verdict import Verdict
+from vmach.job import read_job
+from vmach.nominal import read_nominal
+from vmach.run.drawing import job_drawing
 from vmach.run.pipeline import inspect_part
 
 #: X moves 100 ppm too far; the reflector stood at the tip's height
@@ -121,6 +127,38 @@ REFUSED = [
 def test_mistakes_are_named(tmp_path, more, message):
     with pytest.raises(InputError, match=message):
         inspect_part(write_job(tmp_path, more="\n" + more + "\n"), prefer_measured=True)
+
+
+def write_stl_with_bore(folder):
+    """The blank with the bore alone, of 720 facets; every point keeps to the cylinder."""
+    block = trimesh.creation.box(bounds=[(-30, -25, -20), (60, 25, 0)])
+    bore = trimesh.creation.cylinder(radius=6.0, segment=[(40, 0, -6), (40, 0, 5)], sections=720)
+    trimesh.boolean.difference([block, bore], engine="manifold").export(folder / "part.stl")
+
+
+@pytest.mark.parametrize("callout", ["12 H7", "roundness 0.01", "straightness Ø0.01"])
+def test_a_bore_of_an_stl_is_what_the_job_says(tmp_path, callout):
+    """Facets name no surface; the hint of the refusal is what mends it."""
+    write_stl_with_bore(tmp_path)
+    nominal = read_nominal(tmp_path / "part.stl")
+    points = nominal.sample(1.0, edge_margin_mm=0.3)
+    (face,) = [face.name for face in nominal.faces if "curved" in face.name]
+    entry = f'[[features]]\nname = "hole"\nfaces = "{face}"\n'
+    asked = f'[tolerances]\nhole = "{callout}"\n'
+    with pytest.raises(InputError) as caught:
+        measured_hole(write_job(tmp_path, more=entry + asked), nominal, points)
+    assert 'say kind = "cylinder"' in caught.value.hint
+    found = measured_hole(
+        write_job(tmp_path, more=f'{entry}kind = "cylinder"\n{asked}'), nominal, points
+    )
+    assert found == pytest.approx(12.0 if callout == "12 H7" else 0.0, abs=2e-3)
+
+
+def measured_hole(job, nominal, points):
+    """The first value of the drawing on a part that is as nominal."""
+    drawing = job_drawing(read_job(job), nominal, points)
+    exact = Points.nominal(points.point_mm, points.normal)
+    return evaluate(drawing, drawing.requirements[0], exact)[0].value_mm
 
 
 def test_a_job_without_tolerances_loads_nothing_of_it(tmp_path):

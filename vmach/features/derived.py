@@ -63,6 +63,7 @@ def derived_points(feature: Feature, points: Points) -> list[DerivedPoints]:
         raise InputError(
             f"{feature.name!r} is a {feature.kind}, which has no axis and no centre",
             accepted="a cylinder, cone, sphere or torus, a pattern of them, or two opposite planes",
+            hint=feature.hint_on_kind,
         )
     return [_of_member(member.known(points), points, feature.name) for member in feature.members]
 

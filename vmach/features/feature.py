@@ -61,6 +61,10 @@ class Member:
         return Member(self.surface.among(chosen), self.rows[chosen])
 
 
+#: an STL tells planes alone
+_SAY_KIND = 'where it is round in an STL, say kind = "cylinder" or "sphere" in [[features]]'
+
+
 @dataclass(frozen=True)
 class Feature:
     """A named feature.
@@ -95,6 +99,12 @@ class Feature:
     def element(self) -> str:
         """Kind of a pattern's members; else the kind itself."""
         return self.members[0].surface.kind if self.kind == "pattern" else self.kind
+
+    @property
+    def hint_on_kind(self) -> str | None:
+        """What to do where a surface is needed that nothing tells, as of facets of an STL."""
+        is_free = any(member.surface.kind == "free" for member in self.members)
+        return _SAY_KIND if is_free else None
 
     def pooled(self, points: Points) -> Member:
         """All members as one; its surface is a `Compound` where there are several.

@@ -50,6 +50,7 @@ def _check_kind(feature: Feature, callout: Callout, kinds: tuple[str, ...]) -> N
         raise InputError(
             f"tolerance {callout.text!r} of {feature.name!r}, which is a {feature.kind}",
             accepted=f"{callout.characteristic} of: {', '.join(kinds)}",
+            hint=feature.hint_on_kind,
         )
 
 
@@ -113,6 +114,7 @@ def straightness(feature: Feature, points: Points, callout: Callout) -> Measure:
             raise InputError(
                 f"tolerance {callout.text!r} of {feature.name!r}, which is a {feature.kind}",
                 accepted="Ø for the median line of a cylinder or a cone",
+                hint=feature.hint_on_kind,
             )
         return largest([_of_axis(member, points, feature) for member in feature.members])
     _check_kind(feature, callout, ("plane",))

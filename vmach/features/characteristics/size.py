@@ -41,6 +41,7 @@ def size(feature: Feature, points: Points, callout: Callout) -> list[Measure]:
         raise InputError(
             f"{feature.name!r} is a {feature.kind}, which has no size",
             accepted="a cylinder, a sphere, a pattern of them, or two opposite planes",
+            hint=feature.hint_on_kind,
         )
     factor = 1.0 if callout.is_radius else 2.0
     _check_nominal(feature, callout, factor * feature.members[0].surface.radius_mm)

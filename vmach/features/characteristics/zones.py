@@ -265,7 +265,8 @@ def runout(
     surface = member.surface
     if surface.kind not in ("cylinder", "cone", "plane"):
         raise InputError(f"tolerance {callout.text!r} of a {feature.kind}",
-                         accepted="a cylinder, a cone or a plane across the axis")  # fmt: skip
+                         accepted="a cylinder, a cone or a plane across the axis",
+                         hint=feature.hint_on_kind)  # fmt: skip
     axis = _axis_of(datums, callout)
     _check_turns(surface, axis, feature, callout)
     seen = system.pose.undo(points.actual_mm[member.rows])
