@@ -70,7 +70,6 @@ def diagnose(
     next_path = next_file or (json_file.with_name("next.nc") if json_file else None)
     inputs = input_files(read)
     check_outputs([json_file, next_path], inputs=inputs)
-    check_ending(json_file, [".json"], what="figures in JSON")
     if out is not None:
         check_folder(out, FOLDER_FILES, inputs=inputs)
     tell_doubts(read)
