@@ -13,6 +13,55 @@ from vmach.path.preparation import prepare
 ZERO = np.array([-200.0, -150.0, -200.0])  #: G54 of the small job
 
 
+#: a block of 40 x 30 x 8 mm with its zero in a corner: its top, then all round
+CORNER_PROGRAM = """\
+G21 G17 G90 G94 G40
+T1 M6
+S6000 M3
+G54 G43 H1
+G0 X-10 Y0 Z5
+G1 Z0 F900
+X40 Y0
+Y8
+X0
+Y16
+X40
+Y24
+X0
+Y30
+X40
+G0 Z5
+G0 X-15 Y-5
+G1 Z-9 F300
+X45 F900
+Y35
+X-5
+Y-15
+G0 Z5
+M30
+"""
+
+
+def corner_job(folder):
+    path = write_job(folder)
+    (folder / "part.nc").write_text(CORNER_PROGRAM)
+    stock = "min_mm = [-1, -1, -20]\nmax_mm = [41, 31, 1]"
+    text = path.read_text().replace("min_mm = [-30, -25, -20]\nmax_mm = [60, 25, 0]", stock)
+    path.write_text(text)
+    return prepare(read_job(path))
+
+
+def corner_points():
+    """Points and normals (69, 3): on the top, the two walls through the zero, two others."""
+    rows = [((x, y, 0), (0, 0, 1)) for x in np.linspace(2, 38, 9) for y in (3, 14, 27)]
+    for t in np.linspace(0.1, 0.9, 12):
+        rows += [((0, 30 * t, -4), (-1, 0, 0)), ((40 * t, 0, -4), (0, -1, 0))]
+    for t in np.linspace(0.1, 0.9, 9):
+        rows += [((40, 30 * t, -4), (1, 0, 0)), ((40 * t, 30, -4), (0, 1, 0))]
+    points, normals = zip(*rows, strict=True)
+    return np.array(points, float), np.array(normals, float)
+
+
 @pytest.fixture(scope="module")
 def job(tmp_path_factory):
     return prepare(read_job(write_job(tmp_path_factory.mktemp("job"))))
@@ -59,6 +108,80 @@ def test_measured_points_in_another_frame(job, tmp_path):
     path = file_of(tmp_path, points, normals, points[:, [1, 0, 2]])
     with pytest.raises(InputError, match="mx, my, mz hold y, x, z"):
         measure_part(job, path)
+
+
+@pytest.mark.parametrize("along_normals", [False, True])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_another_zero_along_one_axis_is_refused(job, tmp_path, axis, along_normals):
+    """Most points face another way, and agree with their nominal places."""
+    _, points, normals = pocket_points()
+    shift = 5.0 * np.eye(3)[axis]
+    moved = points + ((normals @ shift)[:, None] * normals if along_normals else shift)
+    path = file_of(tmp_path, points, normals, moved)
+    told = ", ".join(f"{value:.3f}" for value in shift)
+    with pytest.raises(InputError, match=rf"are 5 mm from .* shifted by \({told}\) mm"):
+        measure_part(job, path)
+
+
+def test_a_zero_that_is_a_little_off_changes_no_reading(job, tmp_path):
+    """The pose is free: beside it readings of the shifted part are those of the part."""
+    _, points, normals = pocket_points()
+    noise = 5e-4 * np.random.default_rng(1).normal(size=(len(points), 1))
+    left = []
+    for shift in ([0.0, 0.0, 0.0], [0.3, -0.2, 0.1]):
+        measured = points + noise * normals + shift
+        part, _ = measure_part(job, file_of(tmp_path, points, normals, measured))
+        assert len(part) == len(points)
+        assert any("its pose on the measuring machine" in str(n) for n in part.notes) == any(shift)
+        free = np.linalg.lstsq(part.nuisance, part.measured_mm, rcond=None)[0]
+        left.append(part.measured_mm - part.nuisance @ free)
+    assert left[1] == pytest.approx(left[0], abs=1e-7)
+
+
+def test_few_points_astray_are_left_out_and_many_are_refused(job, tmp_path):
+    _, points, normals = pocket_points()
+    astray = points.copy()
+    astray[::25] += 3.0 * normals[::25]
+    part, _ = measure_part(job, file_of(tmp_path, points, normals, astray))
+    assert len(part) == len(points) - len(points[::25])
+    astray[::10] += (-1.0) ** np.arange(7)[:, None] * normals[::10]
+    with pytest.raises(InputError, match=r"measured\.csv:2: .* further from the nominal surface"):
+        measure_part(job, file_of(tmp_path, points, normals, astray))
+
+
+def test_many_readings_apart_from_their_neighbours_stay(job, tmp_path):
+    _, points, normals = pocket_points()
+    apart = points.copy()
+    apart[::8] += 0.2 * normals[::8]
+    part, _ = measure_part(job, file_of(tmp_path, points, normals, apart))
+    assert len(part) == len(points)
+    assert any("too many for chips" in str(note) for note in part.notes)
+
+
+@pytest.mark.parametrize(
+    ("unit", "length"), [("inches", 1 / 25.4), ("centimetres", 0.1), ("metres", 1e-3)]
+)
+def test_another_unit_is_noticed_with_the_zero_in_a_corner(tmp_path, unit, length):
+    """Faces through the zero stay where they are, so that the program cuts most of the points."""
+    job = corner_job(tmp_path)
+    points, normals = corner_points()
+    path = file_of(tmp_path, points, normals, points)
+    assert len(measure_part(job, path)[0]) == len(points)
+    path = file_of(tmp_path, length * points, normals, length * points)
+    said = rf"measured\.csv:\d+: the points span .* look like {unit}"
+    with pytest.raises(InputError, match=said):
+        measure_part(job, path)
+
+
+def test_a_small_spot_of_a_face_raises_a_question_only(tmp_path):
+    """Its points lie on the face in every unit."""
+    job = corner_job(tmp_path)
+    points, normals = corner_points()
+    top = normals[:, 2] == 1.0
+    path = file_of(tmp_path, 0.03 * points[top], normals[top], 0.03 * points[top])
+    part, _ = measure_part(job, path)
+    (note,) = (note for note in part.notes if note.kind is Kind.UNIT)
+    assert note.level is Level.QUESTION and "in inches too" in note.sentence
 
 
 def test_a_handful_of_points_is_refused_for_their_number(job, tmp_path):

@@ -16,7 +16,7 @@ from vmach.errors import InputError
 from vmach.files.text_file import column_hint, decimal_number, numbered_csv_rows, read_text
 from vmach.nominal.mesh.unique_rows import unique_rows
 
-__all__ = ["WHEN", "SurfacePoints", "read_points_csv", "when_measured"]
+__all__ = ["COORDINATE_UNITS", "WHEN", "SurfacePoints", "read_points_csv", "when_measured"]
 
 #: how far the length of a normal in a file may be from 1
 UNIT_TOLERANCE = 1e-3
@@ -28,6 +28,9 @@ _LARGEST = 1e6
 FINEST_U_UM = 1e-6
 #: of a clock, s: those that count from 1970 are near 2e9
 _LATEST = 1e11
+
+#: units that coordinates may be in by mistake: how long a millimetre is in them
+COORDINATE_UNITS = {"metres": 1e-3, "inches": 1 / 25.4, "centimetres": 0.1, "um": 1e3}
 
 _NOMINAL = ("x", "y", "z", "i", "j", "k")
 _MEASURED = ("mx", "my", "mz")
@@ -63,6 +66,8 @@ class SurfacePoints:
         In which clamping on the measuring machine each point was measured.
     measured_at : (P,) float64, optional
         When: seconds on the clock of the measuring machine, or numbers in the order of measuring.
+    line : (P,) int, optional
+        Of the file that each point was read from.
     """
 
     id: np.ndarray
@@ -75,6 +80,7 @@ class SurfacePoints:
     weight: np.ndarray | None = None
     clamping: np.ndarray | None = None
     measured_at: np.ndarray | None = None
+    line: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         count = len(self.point_mm)
@@ -93,6 +99,8 @@ class SurfacePoints:
         for name in ("id", "feature", "clamping"):
             if getattr(self, name) is not None:
                 self._freeze(name, np.asarray(getattr(self, name), dtype=str), (count,))
+        if self.line is not None:
+            self._freeze("line", np.asarray(self.line, dtype=np.int64), (count,))
         off = np.abs(np.linalg.norm(self.normal, axis=1) - 1.0)
         if count and off.max() > 1e-9:
             worst = self.normal[int(off.argmax())]
@@ -159,6 +167,7 @@ def read_points_csv(path: str | Path) -> SurfacePoints:
         measured_at=when_measured(
             {name: table.vectors((name,))[:, 0] for name in WHEN if table.has_all((name,))}, path
         ),
+        line=lines,
     )
     return _with_notes(points, [n for n in columns if n not in _KNOWN])
 
@@ -306,7 +315,7 @@ def _notes_on_units(points: SurfacePoints) -> list[Note]:
     """Say it when the measured points look scaled against the nominal ones."""
     size = np.linalg.norm(np.ptp(points.point_mm, axis=0))
     measured = np.linalg.norm(np.ptp(points.measured_mm, axis=0))
-    for unit, factor in (("metres", 1e-3), ("inches", 1 / 25.4), ("um", 1e3)):
+    for unit, factor in COORDINATE_UNITS.items():
         if size > 0.0 and abs(measured / (size * factor) - 1.0) < 0.05:
             said = f"the measured points look like {unit}, the nominal ones like mm"
             return [Note.question(Kind.UNIT, said, float(measured / size), "1", place="mx my mz")]

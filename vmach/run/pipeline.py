@@ -25,6 +25,7 @@ from vmach.machine import Variant
 from vmach.measurements.plausibility.part_check import check_aligned, check_cut, check_file
 from vmach.nominal import NominalPart, read_nominal
 from vmach.nominal.points import SurfacePoints, read_points_csv
+from vmach.nominal.seat import seat_of
 from vmach.path.preparation import Preparation, prepare
 from vmach.path.toolpath import PathStates
 from vmach.plausibility import machine_notes
@@ -297,7 +298,7 @@ def _inspected(
         points = surface_points(job, nominal, prefer_measured=prefer_measured)
         if points.measured_mm is not None:
             check_file(points, job.measured)
-            check_aligned(points, job.measured)
+            check_aligned(points, seat_of(points), job.measured)
     with clock.stage("compare") as step:
         predictions: list[Prediction] = []
         for variant in variants:

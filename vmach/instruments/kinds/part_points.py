@@ -21,11 +21,17 @@ from vmach.measurements.neighbours import apart_from_neighbours
 from vmach.measurements.plausibility.alternatives import alternative_notes
 from vmach.measurements.plausibility.part_alternatives import part_alternatives
 from vmach.measurements.plausibility.part_check import (
+    FEW,
     FINEST_MM,
+    MANY_UNCUT,
+    astray,
+    beside_pose_mm,
     check_aligned,
+    check_astray,
     check_cut,
     check_file,
     check_near,
+    check_unit_of_points,
     rounding_mm,
     rounding_notes,
     some_of,
@@ -34,18 +40,17 @@ from vmach.measurements.plausibility.tool_alternatives import tool_that_would_cu
 from vmach.measurements.repeats import check_degrees, mean_of_repeats
 from vmach.measurements.stretches import stretches_of
 from vmach.nominal.points import SurfacePoints, read_points_csv
+from vmach.nominal.seat import Seat, seat_of
 from vmach.path.preparation import Preparation
 from vmach.prediction import ActingEffect, Prediction, predict_surface
 from vmach.prediction.made_surface import MadeSurface
 
 __all__ = ["PartPoints", "measure_part"]
 
-#: a point further away than this is no measurement of the surface
-_ASTRAY_MM = 0.5
 #: neighbours that scatter by so many times u_um make it doubtful
 _DOUBTFUL = 3.0
-#: share of points that no move cut from which on a wrong zero is as likely as odd points
-_MANY = 0.1
+#: a part that lay further from its nominal place than this (median) is worth a note, mm
+_NOTABLE_MM = 0.1
 #: by how many u, and how far, a point has to stand out to be left out before any fit
 _OUTLIER_U = 12.0
 _GROSS_MM = 0.06
@@ -69,24 +74,32 @@ def measure_part(
 ) -> tuple[Measurement, Prediction]:
     """Measured points of the part beside what the model predicts for them.
 
-    Points that no move cut, that lie astray or that repeat another row are left out and said.
-    Readings stand in the order of measuring, where the file tells it.
+    The pose of the part is taken off before anything is judged by it. Points that no move cut,
+    that lie astray or that repeat another row are left out and said. Readings stand in the order
+    of measuring, where the file tells it.
 
     Raises
     ------
     InputError
-        The file cannot be read, has no measured coordinates, holds another unit or another part,
-        or too few of its points were cut by the program.
+        The file cannot be read, has no measured coordinates, holds another unit, another zero or
+        another part, or too few of its points were cut by the program.
     """
     points = _in_order(read_points_csv(path))
     check_file(points, path)
-    prediction = predict_surface(preparation, points, Variant.ABBE, effects)
+    seat = seat_of(points)
+    seated = _seated(points, seat)
+    prediction = predict_surface(preparation, seated, Variant.ABBE, effects)
     cut = np.flatnonzero(prediction.is_cut)
     check_cut(preparation, points, len(cut), path=path)
-    check_aligned(points, path)
-    part = _where_cut(points, prediction, path.name).made_beside(())
+    check_aligned(points, seat, path)
+    doubts = check_unit_of_points(preparation, points, prediction.is_cut, path)
+    part = _where_cut(seated, prediction, path.name).made_beside(()).noted(*doubts)
+    # the pose stays in the readings, which leave it free, without what of a turn is not linear
+    pose_mm = seat.deviation_mm(points.point_mm, points.normal)[cut]
+    part = replace(part, measured_mm=part.measured_mm + pose_mm)
     check_near(part, path)
-    part = _without_repeats(part, points.point_mm[cut])
+    check_astray(_rows_of(seated, cut), path)
+    part = _without_repeats(part, _rows_of(points, cut))
     is_stated = points.u_mm is not None
     if is_stated:
         part = _without_outliers(part)
@@ -108,10 +121,31 @@ def _in_order(points: SurfacePoints) -> SurfacePoints:
     """The points in the order of measuring; as in the file where that is not told."""
     if points.measured_at is None:
         return points
-    rows = np.argsort(points.measured_at, kind="stable")
+    return _rows_of(points, np.argsort(points.measured_at, kind="stable"))
+
+
+def _rows_of(points: SurfacePoints, rows: np.ndarray) -> SurfacePoints:
+    """Some of the points by their index, (R,) int."""
     own = {field.name: getattr(points, field.name) for field in fields(points)}
-    moved = {name: v[rows] for name, v in own.items() if isinstance(v, np.ndarray)}
-    return replace(points, **moved)
+    chosen = {name: v[rows] for name, v in own.items() if isinstance(v, np.ndarray)}
+    return replace(points, **chosen)
+
+
+def _seated(points: SurfacePoints, seat: Seat) -> SurfacePoints:
+    """The points with the part brought back to its nominal place; a note where it lay far off.
+
+    What the measured digits tell, as how they are rounded, is said of them as they are.
+    """
+    assert points.measured_mm is not None
+    notes = (*points.notes, *rounding_notes(points))
+    if (far := seat.size_mm(points)) > _NOTABLE_MM:
+        by = ", ".join(f"{value:.3f}" for value in np.round(seat.shift_of_zero_mm, 3) + 0.0)
+        said = (
+            f"the measured part lies {far:.3g} mm from its nominal place, its zero at "
+            f"({by}) mm: taken for its pose on the measuring machine"
+        )
+        notes = (*notes, Note.plain(Kind.ALIGNMENT, said, far, "mm", place="mx my mz"))
+    return replace(points, measured_mm=seat.taken_back(points.measured_mm), notes=notes)
 
 
 _NO_UNCERTAINTY = (
@@ -122,7 +156,7 @@ _NO_UNCERTAINTY = (
 def _where_cut(points: SurfacePoints, prediction: Prediction, name: str) -> Measurement:
     """The points that a move cut, beside their prediction; without u_um they weigh the same."""
     cut = np.flatnonzero(prediction.is_cut)
-    notes = (*prediction.preparation.notes, *points.notes, *rounding_notes(points))
+    notes = (*prediction.preparation.notes, *points.notes)
     if len(cut) < len(points):
         notes = (*notes, _uncut_note(points, prediction, name))
     normal = points.normal[cut]
@@ -163,7 +197,7 @@ def _uncut_note(points: SurfacePoints, prediction: Prediction, name: str) -> Not
     uncut = points.id[~prediction.is_cut]
     said = f"left out because no move cuts them ({len(uncut)} of {len(points)}): {_listed(uncut)}"
     note = Note.plain(Kind.UNCUT, said, len(uncut), "1", file=name)
-    if len(uncut) <= _MANY * len(points):
+    if len(uncut) <= MANY_UNCUT * len(points):
         return note
     few = some_of(points, np.flatnonzero(~prediction.is_cut))
     why = tool_that_would_cut(prediction.preparation, few)
@@ -171,8 +205,9 @@ def _uncut_note(points: SurfacePoints, prediction: Prediction, name: str) -> Not
     return replace(note, level=Level.QUESTION, sentence=f"{said}; so many: {why}")
 
 
-def _without_repeats(part: Measurement, points_mm: np.ndarray) -> Measurement:
-    rows = np.column_stack([points_mm, part.sensing, part.measured_mm])
+def _without_repeats(part: Measurement, points: SurfacePoints) -> Measurement:
+    """Leave out rows that repeat another row of the points, as they stand in the file."""
+    rows = np.column_stack([points.point_mm, part.sensing, points.measured_deviation_mm])
     _, first = np.unique(rows, axis=0, return_index=True)
     if len(first) == len(part):
         return part
@@ -186,13 +221,22 @@ def _without_repeats(part: Measurement, points_mm: np.ndarray) -> Measurement:
 def _without_outliers(part: Measurement) -> Measurement:
     """Leave out points that no neighbour on either side agrees with: a chip under the probe.
 
-    A step, such as backlash makes, has one side that agrees. Small ones are left to the fit:
+    More than a few of them have another cause, and stay. A step, such as backlash makes, has one
+    side that agrees. Small ones are left to the fit:
     near a corner the machine itself can be tens of micrometres away over a millimetre.
     """
-    residual = part.measured_mm - part.predicted_mm
+    residual = beside_pose_mm(part)
     apart = apart_from_neighbours(residual, part.group)
-    good = (apart < _GROSS_MM) | (apart < _OUTLIER_U * part.u_mm)
-    good &= np.abs(part.measured_mm) < _ASTRAY_MM
+    is_astray = astray(residual)
+    is_apart = (apart >= _GROSS_MM) & (apart >= _OUTLIER_U * part.u_mm)
+    if (count := np.count_nonzero(is_apart | is_astray)) > FEW * len(part):
+        said = (
+            f"{count} of {len(part)} readings stand apart from their neighbours, too many for "
+            f"chips under the probe: they stay, the first is {part.id[is_apart][0]}"
+        )
+        part = part.noted(Note.question(Kind.SCATTER, said, count, "1", file=part.name))
+        is_apart = is_astray
+    good = ~(is_apart | is_astray)
     if good.all():
         return part
     bad = part.id[~good]
@@ -227,7 +271,7 @@ def _uncertainty_mm(part: Measurement, points: SurfacePoints) -> float:
 
 def _scatter_of_neighbours_mm(part: Measurement) -> float:
     """Standard uncertainty from second differences within each group; robust, in mm."""
-    residual = part.measured_mm - part.predicted_mm
+    residual = beside_pose_mm(part)
     bends = [np.diff(residual[part.group == group], 2) for group in np.unique(part.group)]
     bend = np.concatenate(bends)
     if len(bend) == 0:

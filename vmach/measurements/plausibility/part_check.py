@@ -11,23 +11,31 @@ from pathlib import Path
 
 import numpy as np
 
+from gcode import MoveKind
 from vmach.base.note import Kind, Note
 from vmach.base.units import um_from_mm
 from vmach.errors import InputError
 from vmach.machine import Variant
 from vmach.measurements.measurement import Measurement
 from vmach.measurements.plausibility.tool_alternatives import tool_that_would_cut
-from vmach.measurements.plausibility.wrong_frame import wrong_frame
-from vmach.nominal.points import SurfacePoints
+from vmach.measurements.plausibility.wrong_frame import motion_in_words, wrong_frame
+from vmach.nominal.points import COORDINATE_UNITS, SurfacePoints
+from vmach.nominal.seat import Seat, motion_beside_odd_ones
 from vmach.path.preparation import Preparation
 from vmach.prediction import predict_surface
 
 __all__ = [
+    "FEW",
     "FINEST_MM",
+    "MANY_UNCUT",
+    "astray",
+    "beside_pose_mm",
     "check_aligned",
+    "check_astray",
     "check_cut",
     "check_file",
     "check_near",
+    "check_unit_of_points",
     "rounding_mm",
     "rounding_notes",
     "some_of",
@@ -37,8 +45,19 @@ __all__ = [
 _FEWEST = 12
 #: share of the points that the program has to cut; with fewer it is another part's program
 _MOST_OF_THEM = 0.5
-#: a measured part whose points lie further away than this (median) is another part
+#: a measured part whose points lie further away than this (median) is another part, or has
+#: another zero; a single point this far beside the others is no measurement of the surface
 _OTHER_PART_MM = 0.5
+#: a motion that leaves points this near (median, mm) is what was done to them
+_EXPLAINED_MM = 0.1
+#: share of the readings up to which odd ones are chips under the probe; more have a cause
+FEW = 0.05
+#: share of points that no move cut from which on a wrong zero or unit is as likely as odd points
+MANY_UNCUT = 0.1
+#: share of the points that the program cuts where their unit is the right one
+_NEARLY_ALL = 0.95
+#: units in which coordinates that are taken for mm make the part this much smaller, or more
+_SMALLER = 2.0
 #: median distance from the prediction, alignment taken off, that no machine of this kind has
 _FAR_MM = 0.25
 #: no CMM is finer, and none that is of use is coarser
@@ -47,8 +66,6 @@ FINEST_MM, _COARSEST_MM = 0.02e-3, 0.1
 _NO_DIGIT_MM = 1e-9
 #: points on which a guess at what is wrong is tried
 _TRIED = 60
-#: units that points may be in: how long a millimetre is in them
-_UNITS = {"metres": 1e-3, "inches": 1 / 25.4, "centimetres": 0.1, "um": 1e3}
 
 
 def check_file(points: SurfacePoints, path: Path) -> None:
@@ -122,8 +139,92 @@ def check_cut(preparation: Preparation, points: SurfacePoints, count: int, *, pa
     )
 
 
-def check_aligned(points: SurfacePoints, path: Path) -> None:
-    """Refuse measured points that lie nowhere near the nominal ones.
+def check_unit_of_points(
+    preparation: Preparation, points: SurfacePoints, is_cut: np.ndarray, path: Path
+) -> tuple[Note, ...]:
+    """Refuse points that the program cuts in another unit, and in mm not.
+
+    A zero in a corner of the part keeps its faces where they are, whatever the unit.
+
+    Parameters
+    ----------
+    preparation : Preparation
+    points : SurfacePoints
+    is_cut : (P,) bool
+        Which of them the program cuts.
+    path : Path
+        The file.
+
+    Returns
+    -------
+    tuple of Note
+        A question, where the program cuts nearly all of them in mm as well.
+
+    Raises
+    ------
+    InputError
+        With the first point that is not cut.
+    """
+    unit = _unit_that_is_cut(preparation, points)
+    if unit is None:
+        return ()
+    uncut = np.flatnonzero(~is_cut)
+    size = " x ".join(f"{length:.3g}" for length in np.ptp(points.point_mm, axis=0))
+    if len(uncut) <= MANY_UNCUT * len(points):
+        said = f"the points span {size} mm, and the program would cut them in {unit} too: is it mm?"
+        return (Note.question(Kind.UNIT, said, place="x y z", file=path.name),)
+    first = int(uncut[0])
+    place = ", ".join(f"{value:.5g}" for value in points.point_mm[first])
+    raise InputError(
+        f"the points span {size} mm, and the program does not cut {len(uncut)} of the "
+        f"{len(points)}, the first at x, y, z = {place}",
+        file=path,
+        line=None if points.line is None else int(points.line[first]),
+        accepted="coordinates in mm, on surfaces that the program cuts",
+        hint=f"the coordinates look like {unit}, in which it cuts them; they have to be in mm",
+    )
+
+
+def _unit_that_is_cut(preparation: Preparation, points: SurfacePoints) -> str | None:
+    """The unit, longer than mm, in which the program cuts nearly all points; None without one."""
+    few = some_of(points, np.arange(len(points)))
+    for unit, length in COORDINATE_UNITS.items():
+        if length * _SMALLER > 1.0:
+            continue
+        guess = SurfacePoints(few.id, few.feature, few.point_mm / length, few.normal)
+        if not _is_within_reach(preparation, guess.point_mm):
+            continue
+        if np.mean(predict_surface(preparation, guess, Variant.NONE).is_cut) >= _NEARLY_ALL:
+            return unit
+    return None
+
+
+def _is_within_reach(preparation: Preparation, points_mm: np.ndarray) -> bool:
+    """Whether points (P, 3) mm lie where the program's tools cut at all; seen from afar."""
+    moves, tools = preparation.program.moves, preparation.job.tools
+    cutting = np.flatnonzero((moves.kind != MoveKind.RAPID) & (moves.tool > 0))
+    if not len(cutting):
+        return False
+    is_arc = moves.kind[cutting] == MoveKind.ARC
+    radius = np.linalg.norm((moves.start_mm - moves.centre_mm)[cutting[is_arc]], axis=1)
+    slack = radius.max(initial=0.0) + max(tool.diameter_mm for tool in tools.values())
+    longest = max(tool.length_mm for tool in tools.values())
+    ends = np.vstack([moves.start_mm[cutting], moves.end_mm[cutting]]) - preparation.zero_mm
+    low, high = ends.min(axis=0) - slack, ends.max(axis=0) + slack
+    low[2] -= longest
+    return bool(((points_mm >= low) & (points_mm <= high)).all())
+
+
+def check_aligned(points: SurfacePoints, seat: Seat, path: Path) -> None:
+    """Refuse measured points that lie nowhere near the nominal ones, or have another zero.
+
+    Parameters
+    ----------
+    points : SurfacePoints
+    seat : Seat
+        The motion that brings the nominal points to the measured ones.
+    path : Path
+        The file.
 
     Raises
     ------
@@ -132,14 +233,70 @@ def check_aligned(points: SurfacePoints, path: Path) -> None:
     """
     assert points.measured_mm is not None
     away = np.linalg.norm(points.measured_mm - points.point_mm, axis=1)
-    if np.median(np.minimum(away, np.abs(points.measured_deviation_mm))) <= _OTHER_PART_MM:
+    apart = float(np.median(away))
+    is_far = np.median(np.minimum(away, np.abs(points.measured_deviation_mm))) > _OTHER_PART_MM
+    why = None
+    if apart > _OTHER_PART_MM and not _is_on_normals(points):
+        why = wrong_frame(points.point_mm, points.measured_mm)
+    if why is None and _is_elsewhere(points, seat):
+        apart = seat.size_mm(points)
+        why = motion_in_words(seat.rotation, seat.shift_of_zero_mm)
+    if not is_far and why is None:
         return
     raise InputError(
-        f"the measured points are {np.median(away):.4g} mm from the nominal ones (median)",
+        f"the measured points are {apart:.4g} mm from the nominal ones (median)",
         file=path,
         accepted=f"measured points within {_OTHER_PART_MM} mm of the nominal surface",
-        hint=wrong_frame(points.point_mm, points.measured_mm)
-        or "is this the measurement of this part, aligned to its datums?",
+        hint=why or "is this the measurement of this part, aligned to its datums?",
+    )
+
+
+def _is_on_normals(points: SurfacePoints) -> bool:
+    """Whether most measured points lie on the normals of the nominal ones: none tells its place."""
+    along = points.measured_deviation_mm[:, None] * points.normal
+    assert points.measured_mm is not None
+    beside = np.linalg.norm(points.measured_mm - points.point_mm - along, axis=1)
+    return bool(np.median(beside) <= _EXPLAINED_MM)
+
+
+def _is_elsewhere(points: SurfacePoints, seat: Seat) -> bool:
+    """Whether a large motion of the part is what keeps most of the points away."""
+    is_explained = np.median(np.abs(_beside(points, seat))) <= _EXPLAINED_MM
+    return bool(is_explained) and seat.size_mm(points) > _OTHER_PART_MM
+
+
+def _beside(points: SurfacePoints, seat: Seat) -> np.ndarray:
+    """Deviation of measured points with the motion taken back, (P,) mm."""
+    assert points.measured_mm is not None
+    apart = seat.taken_back(points.measured_mm) - points.point_mm
+    return np.einsum("ij,ij->i", apart, points.normal)
+
+
+def astray(deviation_mm: np.ndarray) -> np.ndarray:
+    """Which deviations, the pose of the part taken off, are none of the surface, (P,) bool."""
+    return np.abs(deviation_mm) >= _OTHER_PART_MM
+
+
+def check_astray(points: SurfacePoints, path: Path) -> None:
+    """Refuse a file where more than a few points lie astray, the part's pose taken off.
+
+    Raises
+    ------
+    InputError
+        With the first of them.
+    """
+    rows = np.flatnonzero(astray(points.measured_deviation_mm))
+    if len(rows) <= FEW * len(points):
+        return
+    first = int(rows[0])
+    raise InputError(
+        f"{len(rows)} of the {len(points)} measured points that the program cuts lie further from "
+        f"the nominal surface than {_OTHER_PART_MM} mm, the pose of the part taken off; the first "
+        f"is point {points.id[first]} with {points.measured_deviation_mm[first]:.4g} mm",
+        file=path,
+        line=None if points.line is None else int(points.line[first]),
+        accepted=f"{FEW:.0%} of them at most, which are then left out",
+        hint="do x, y, z and mx, my, mz of a row belong together, and is this the finished part?",
     )
 
 
@@ -187,6 +344,15 @@ def check_near(part: Measurement, path: Path) -> None:
         )
 
 
+def beside_pose_mm(part: Measurement) -> np.ndarray:
+    """Measured minus predicted, (P,) mm, without the pose that most readings agree on."""
+    assert part.surface is not None
+    residual = part.measured_mm - part.predicted_mm
+    arm_mm = part.surface.points_mm - part.surface.points_mm.mean(axis=0)
+    motion = motion_beside_odd_ones(arm_mm, part.sensing, residual)
+    return residual - np.hstack([part.sensing, np.cross(arm_mm, part.sensing)]) @ motion
+
+
 def some_of(points: SurfacePoints, rows: np.ndarray) -> SurfacePoints:
     """Nominal places of a few of the points with indices `rows` (R,), from all over them."""
     rows = rows[np.unique(np.linspace(0, len(rows) - 1, _TRIED).astype(int))]
@@ -209,7 +375,7 @@ def _guesses(
         "material",
         put(point, -normal),
     )
-    for unit, length in _UNITS.items():
+    for unit, length in COORDINATE_UNITS.items():
         hint = f"the coordinates look like {unit}; they have to be in mm"
         yield hint, put(point / length, normal)
     for name, zero in preparation.job.work_offsets_mm.items():

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["wrong_frame"]
+__all__ = ["motion_in_words", "wrong_frame"]
 
 #: measured points that lie this near (median, mm) after a motion are those of this part
 _NEAR_MM = 0.1
@@ -36,7 +36,7 @@ def wrong_frame(nominal_mm: np.ndarray, measured_mm: np.ndarray) -> str | None:
         shift = measured_mm.mean(axis=0) - rotation @ nominal_mm.mean(axis=0)
         away = np.linalg.norm(measured_mm - nominal_mm @ rotation.T - shift, axis=1)
         if np.median(away) < _NEAR_MM:
-            return _in_words(rotation, shift, mirrored=mirrored)
+            return motion_in_words(rotation, shift, mirrored=mirrored)
     return None
 
 
@@ -48,7 +48,8 @@ def _rotation(nominal: np.ndarray, measured: np.ndarray, *, mirrored: bool) -> n
     return left @ np.diag([1.0, 1.0, handed]) @ right
 
 
-def _in_words(rotation: np.ndarray, shift: np.ndarray, *, mirrored: bool) -> str:
+def motion_in_words(rotation: np.ndarray, shift: np.ndarray, *, mirrored: bool = False) -> str:
+    """What was done to measured points R p + d, with rotation R (3, 3) and shift d (3,) mm."""
     axes = np.round(rotation)
     turn_rad = np.arccos(np.clip(0.5 * (np.trace(rotation) - 1.0), -1.0, 1.0))
     by = "({})".format(", ".join(f"{value:.3f}" for value in np.round(shift, 3) + 0.0))
