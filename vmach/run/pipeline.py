@@ -22,7 +22,12 @@ from vmach.features.circular_test import CircularTest
 from vmach.features.result import FeatureResult
 from vmach.job import Job, read_job
 from vmach.machine import Variant
-from vmach.measurements.plausibility.part_check import check_aligned, check_cut, check_file
+from vmach.measurements.plausibility.part_check import (
+    check_aligned,
+    check_cut,
+    check_file,
+    check_unit_of_points,
+)
 from vmach.nominal import NominalPart, read_nominal
 from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.nominal.seat import seat_of
@@ -308,11 +313,13 @@ def _inspected(
                 )
             )
             step(len(predictions), len(variants))
+        in_mm: tuple[Note, ...] = ()
         if points.measured_mm is None:
             check_some_cut(job, points, predictions[-1])
         else:
-            count = int(predictions[-1].is_cut.sum())
-            check_cut(preparation, points, count, path=job.measured)
+            is_cut = predictions[-1].is_cut
+            check_cut(preparation, points, int(is_cut.sum()), path=job.measured)
+            in_mm = check_unit_of_points(preparation, points, is_cut, job.measured)
     inspected, notes = inspected_points(job, points, predictions)
     budget = error_budget(predictions[-1], effects)
     features: tuple[FeatureResult, ...] = ()
@@ -330,7 +337,7 @@ def _inspected(
         states=predictions[-1].states,
         budget=budget,
         nominal=nominal,
-        notes=(*preparation.notes, *_assumptions(job), *points.notes, *notes, *doubts),
+        notes=(*preparation.notes, *_assumptions(job), *points.notes, *in_mm, *notes, *doubts),
         features=features,
         circular_tests=job_circular_tests(job, preparation, variants[-1], effects),
     )

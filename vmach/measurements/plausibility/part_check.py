@@ -56,8 +56,6 @@ FEW = 0.05
 MANY_UNCUT = 0.1
 #: share of the points that the program cuts where their unit is the right one
 _NEARLY_ALL = 0.95
-#: units in which coordinates that are taken for mm make the part this much smaller, or more
-_SMALLER = 2.0
 #: median distance from the prediction, alignment taken off, that no machine of this kind has
 _FAR_MM = 0.25
 #: no CMM is finer, and none that is of use is coarser
@@ -189,7 +187,7 @@ def _unit_that_is_cut(preparation: Preparation, points: SurfacePoints) -> str | 
     """The unit, longer than mm, in which the program cuts nearly all points; None without one."""
     few = some_of(points, np.arange(len(points)))
     for unit, length in COORDINATE_UNITS.items():
-        if length * _SMALLER > 1.0:
+        if length > 1.0:  # shrunk to the zero, faces through it are cut in any case
             continue
         guess = SurfacePoints(few.id, few.feature, few.point_mm / length, few.normal)
         if not _is_within_reach(preparation, guess.point_mm):
