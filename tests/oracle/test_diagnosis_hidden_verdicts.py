@@ -103,7 +103,7 @@ def test_a_form_for_what_nobody_foresaw_halves_the_error_of_another_part(tmp_pat
             "ringing",
             37056007,
             "device_scale",
-            "ringing of 6.449 Hz after X turned, fading within 0.4 s, along X",
+            "ringing of 6.48 Hz after X turned, fading within 0.4 s, along X",
         ),
         # at the ends of grooves another moment makes the floor than without the nod
         ("nodding_column", 37036002, "heavy_tails", "speed of Y in m/min, as a turn about X"),
