@@ -273,7 +273,6 @@ def test_no_result_replaces_a_file_that_is_read(arguments, job, monkeypatch, cap
         (["history", "--picture", "t.jpg"], "'.jpg' for the picture; accepted: .png"),
         (["run", "--part", "t.foo"], "'.foo' for the coloured part; accepted: .stl, .3mf, .glb"),
         (["run", "--part", "t"], "a name without an ending for the coloured part; accepted: "),
-        (["diagnose", "--json", "t.csv"], "'.csv' for figures in JSON; accepted: .json"),
         (["compensate", "-o", "t.nc", "--report", "t.pdf"], "'.pdf' for a report; accepted: .html"),
         (["set", "backlash:X.reversal_um=3", "-o", "t.csv"], "'.csv' for a job; accepted: .toml"),
         (["add", "backlash:X", "-o", "t.csv"], "'.csv' for a job; accepted: .toml"),
