@@ -61,7 +61,7 @@ def workshop(folder: Path, *, at_positions: bool) -> Workshop:
     rows = rows[flat & (np.abs(points.point_mm[rows, 0]) <= POCKET_MM[0] / 2)]
     points = replace(
         points, id=points.id[rows], feature=points.feature[rows], measured_mm=None,
-        point_mm=points.point_mm[rows], normal=points.normal[rows], u_mm=None,
+        point_mm=points.point_mm[rows], normal=points.normal[rows], u_mm=None, line=None,
     )  # fmt: skip
     perfect = predict_surface(preparation, points, Variant.NONE)
     assert perfect.is_cut.all()

@@ -91,10 +91,11 @@ def with_unit(parameter: str, value: float) -> str:
 def rounded(value: float, interval: tuple[float, float]) -> tuple[str, str, str]:
     """A value and the ends of its interval; two digits of the interval's half width count.
 
-    Two of the value at least: parameters that are uncertain together still make one effect.
+    And of a value that is far less still one or two: parameters that are uncertain together make
+    one effect.
     """
     half = max(0.5 * (interval[1] - interval[0]), 1e-3 * abs(value), 1e-12)
-    half = min(half, abs(value) or half)
+    half = min(half, 3.0 * abs(value) or half)
     digits = 1 - math.floor(math.log10(half))
     own, low, high = (f"{round(x, digits):.{max(digits, 0)}f}" for x in (value, *interval))
     return own, low, high
