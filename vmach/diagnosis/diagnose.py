@@ -9,11 +9,10 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from vmach.base.note import Kind, Level, Note
-from vmach.base.units import um_from_mm
 from vmach.diagnosis.candidate_scores import CandidateScore, candidate_scores
 from vmach.diagnosis.findings import Finding, findings_of, something_unknown
 from vmach.diagnosis.inference.prepare import prepare_weighing
-from vmach.diagnosis.inference.remains import is_structure
+from vmach.diagnosis.inference.remains import is_structure, rms_um
 from vmach.diagnosis.inference.rules import TRUST
 from vmach.diagnosis.inference.verdicts import Inference, Weak, infer
 from vmach.diagnosis.inference.weighing import Weighing
@@ -118,7 +117,7 @@ def diagnose(
     if verdict == "unknown":
         findings = (something_unknown(failures),)
     of_device = of_device_mm(weighing, explanation)
-    sizes_um = {name: _rms_um(taken) for name, taken in of_device.items()}
+    sizes_um = {name: rms_um(taken) for name, taken in of_device.items()}
     notable = {name: size for name, size in sizes_um.items() if is_structure(weighing, size)}
     tell("what to measure next")
     return Diagnosis(
@@ -221,17 +220,14 @@ def not_followed(
     survey = found.weighing.survey
     each = zip(survey.rows, residuals.rms_um_by_measurement, strict=True)
     for rows, (name, rms) in each:
-        left_um = _rms_um(left_mm[rows][counts[rows]])
+        own = left_mm[rows][counts[rows]]
+        left_um = rms_um(own) if len(own) else 0.0
         if left_um > TRUST * rms["expected_noise"]:
             said = (
                 f"what was found does not follow {name}: {left_um:.2g} um RMS are left where "
                 f"noise makes {rms['expected_noise']:.2g}, counted as inexactness of the laws"
             )
             yield Note.plain(Kind.SCATTER, said, left_um, "um", place=name)
-
-
-def _rms_um(values_mm: np.ndarray) -> float:
-    return float(um_from_mm(np.sqrt(np.mean(values_mm**2)))) if len(values_mm) else 0.0
 
 
 def _outliers(found: Inference) -> tuple[Note, ...]:

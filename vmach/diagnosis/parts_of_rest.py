@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vmach.base.units import um_from_mm
-from vmach.diagnosis.inference.remains import OF_DEVICE, effects_mm, taken_mm
+from vmach.diagnosis.inference.remains import OF_DEVICE, effects_mm, rms_um, taken_mm
 from vmach.diagnosis.inference.verdicts import Inference
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.noise.measuring_machine import stated_of_device
@@ -42,8 +41,8 @@ def remains_by_um(found: Inference) -> dict[str, float]:
     }
     none = np.zeros(len(weighing.survey))
     forms = sum(effects_mm(weighing, told)[len(found.supports) :], none)
-    parts = {name: _rms_um(own) for name, own in {**members, _FORMS: forms}.items()}
-    smooth = _rms_um(sum(members.values(), forms))
+    parts = {name: rms_um(own) for name, own in {**members, _FORMS: forms}.items()}
+    smooth = rms_um(sum(members.values(), forms))
     parts[_SCATTER] = float(np.sqrt(max(found.remains_um**2 - smooth**2, 0.0)))
     least = np.sqrt(_NOTABLE) * found.remains_um
     largest = sorted(parts.items(), key=lambda part: -part[1])
@@ -65,7 +64,3 @@ def of_device_mm(weighing: Weighing, found: Explanation) -> dict[str, np.ndarray
             own = columns @ (whiten(columns).T @ white)
             taken[name] = own - survey.aligned(own[:, None])[:, 0]
     return taken
-
-
-def _rms_um(values_mm: np.ndarray) -> float:
-    return float(um_from_mm(np.sqrt(np.mean(values_mm**2))))

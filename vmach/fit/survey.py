@@ -125,6 +125,12 @@ class Survey:
             [np.char.add(f"{k}:", m.group.astype(str)) for k, m in enumerate(self.measurements)]
         )
 
+    @cached_property
+    def groups(self) -> tuple[np.ndarray, np.ndarray]:
+        """Names of all groups, (G,) str, and the number of that of each reading, (n,) int."""
+        names, number = np.unique(self.group, return_inverse=True)
+        return names, number
+
     @property
     def has_part(self) -> bool:
         """Whether a machined part was measured."""
@@ -132,7 +138,7 @@ class Survey:
 
     def zeros_of_runs(self, values: np.ndarray) -> np.ndarray:
         """Mean of values (n,) over the run of an instrument, for each reading; zero on parts."""
-        _, number = np.unique(self.group, return_inverse=True)
+        _, number = self.groups
         mean = np.bincount(number, values) / np.bincount(number)
         on_part = np.concatenate([np.full(len(m), m.on_part) for m in self.measurements])
         return np.where(on_part, 0.0, mean[number])

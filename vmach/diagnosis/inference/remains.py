@@ -18,6 +18,7 @@ __all__ = [
     "is_structure",
     "remains_mm",
     "remains_um",
+    "rms_um",
     "sizes_um",
     "taken_mm",
     "usual_u_um",
@@ -80,7 +81,7 @@ def remains_um(
     """
     others = [] if count is None else effects_mm(weighing, found)[count:]
     scatter_um = _scatter_um(weighing, found, noise)
-    return float(np.hypot(_rms_um(sum(others, remains_mm(weighing, found))), scatter_um))
+    return float(np.hypot(rms_um(sum(others, remains_mm(weighing, found))), scatter_um))
 
 
 def where_they_act_um(
@@ -153,13 +154,14 @@ def _uneven(weighing: Weighing, found: Explanation) -> np.ndarray:
     return sum((np.where(g, m - min(means), 0.0) for g, m in zip(groups, means, strict=True)), none)
 
 
-def _rms_um(values_mm: np.ndarray) -> float:
+def rms_um(values_mm: np.ndarray) -> float:
+    """Root mean square of values (n,) mm."""
     return float(um_from_mm(np.sqrt(np.mean(values_mm**2))))
 
 
 def sizes_um(weighing: Weighing, found: Explanation) -> Sequence[float]:
     """Root mean square of what each effect does to the aligned readings."""
-    return tuple(map(_rms_um, effects_mm(weighing, found)))
+    return tuple(map(rms_um, effects_mm(weighing, found)))
 
 
 def effects_mm(weighing: Weighing, found: Explanation) -> Sequence[np.ndarray]:

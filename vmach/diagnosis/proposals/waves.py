@@ -35,7 +35,8 @@ _FITTED_ON = 3000
 #: of these peaks, so many are put on the list for each argument and direction
 _PEAKS = 2
 #: of fewer places than this, as floors are at few heights, waves of any short period tell each its
-#: own value: only those are sought that go round no more than once in two places (Nyquist)
+#: own value: only those are sought that go round no more than once in two places (Nyquist); chosen:
+#: four times the places that sine, cosine and period follow in any case
 _FEW_PLACES = 12
 #: a wave has to go round that often, else it is a trend
 _LEAST_TURNS = 1.5

@@ -131,7 +131,7 @@ def members_of(survey: Survey, plain_mm: np.ndarray | None = None) -> Members:
 
 def _offsets(survey: Survey) -> dict[str, np.ndarray]:
     """An offset of each group of readings: floors, walls and runs have a size of their own."""
-    names, number = np.unique(survey.group, return_inverse=True)
+    names, number = survey.groups
     inside = _beyond_size_of_tools(survey, np.eye(len(names))[number])
     on_part = np.concatenate([np.full(len(m), m.on_part) for m in survey.measurements])
     upright = np.bincount(number, np.abs(survey.sensing[:, 2])) / np.bincount(number) > _UPRIGHT
@@ -159,7 +159,7 @@ def _beyond_size_of_tools(survey: Survey, offsets: np.ndarray) -> np.ndarray:
 
 def _forms(survey: Survey) -> np.ndarray:
     """Slope and bend of each group of readings, (n, K); holes are no surface that has any."""
-    names, number = np.unique(survey.group, return_inverse=True)
+    names, number = survey.groups
     has_form = np.concatenate([np.full(len(m), m.contacts is None) for m in survey.measurements])
     inside, slope, bend = np.eye(len(names))[number], np.zeros(len(survey)), np.zeros(len(survey))
     for k in range(len(names)):
