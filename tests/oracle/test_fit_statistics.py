@@ -155,7 +155,7 @@ def test_slope_and_bend_of_a_feature_are_legendre_polynomials(count):
     group = np.array(["wall"] * count + ["pair"] * 2)
     part = MagicMock(contacts=None)
     part.__len__.return_value = len(group)
-    survey = MagicMock(group=group, measurements=[part])
+    survey = MagicMock(groups=np.unique(group, return_inverse=True), measurements=[part])
     survey.__len__.return_value = len(group)
     forms = discrepancy._forms(survey)
     place = np.linspace(-1.0, 1.0, count)
