@@ -45,6 +45,9 @@ class Tilt:
     def at_surface(self, states):
         return np.zeros((len(states), 3))
 
+    def tool_shift(self, states):
+        return np.zeros((len(states), 3))
+
     def uncertainty_patterns(self, states):
         return np.zeros((len(states), 3, 0))
 

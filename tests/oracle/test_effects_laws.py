@@ -281,4 +281,5 @@ def test_on_walls_and_floors_of_a_pocket(tmp_path, name):
     parameters, expected = PLAIN[name]
     clean, place, normal = foretold(tmp_path / "clean", "")
     found, _, _ = foretold(tmp_path / "off", f"[effects.{name}]\n{parameters}\n")
-    np.testing.assert_allclose(found - clean, expected(place, normal), atol=2e-3)
+    # the bore of 6 mm radius is shifted by 5 um: square of the shift by twice the radius, 2.1 nm
+    np.testing.assert_allclose(found - clean, expected(place, normal), atol=2.2e-3)

@@ -124,6 +124,16 @@ class Effect(ABC):
             At the contact; or a `RigidDisplacement` where the tool also turns.
         """
 
+    def tool_shift(
+        self, path: Circumstances, target: str, **parameters: float
+    ) -> np.ndarray | None:
+        """Of an effect on the surface: what moves the whole tool, wherever it touches, (P, 3) mm.
+
+        The states may belong to no surface. Of passes that compete for one surface it tells which
+        one makes it. None where the effect moves the edge alone.
+        """
+        return None
+
     def possible_targets(self, job: Job) -> tuple[str, ...]:
         """The targets that this job has; those of the class unless overridden."""
         return self.targets

@@ -63,6 +63,15 @@ class EffectInstance:
         path = Circumstances(states, self.job)
         return at_contact(self._evaluate(states), path)
 
+    def tool_shift(self, states: PathStates) -> np.ndarray:
+        """The part of `at_surface` that moves the whole tool, wherever it touches, (P, 3) mm."""
+        none = np.zeros((len(states), 3))
+        if not self.effect.needs_surface:
+            return none
+        path = Circumstances(states, self.job)
+        shift = self.effect.tool_shift(path, self.target, **self.parameters)
+        return none if shift is None else shift
+
     def uncertainty_patterns(self, states: PathStates) -> np.ndarray:
         """Displacements at the contact, of unit variance, by which the truth may differ.
 

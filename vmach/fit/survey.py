@@ -23,6 +23,7 @@ from vmach.machine import LINEAR_AXES
 from vmach.measurements import Measurement
 from vmach.path.preparation import job_doubts
 from vmach.path.touched_zero import touched_zero
+from vmach.prediction import ActingEffect
 from vmach.uncertainty.tables import TableUncertainty
 
 __all__ = ["Survey"]
@@ -63,7 +64,7 @@ class Survey:
             for path, m in zip(self.paths, self.measurements, strict=True)
         )
 
-    def made_beside(self, others: Sequence[EffectInstance]) -> Survey:
+    def made_beside(self, others: Sequence[ActingEffect]) -> Survey:
         """The same readings, of the surface that is left while further effects act."""
         measurements = tuple(m.made_beside(others) for m in self.measurements)
         return replace(self, measurements=measurements)

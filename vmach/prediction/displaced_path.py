@@ -6,7 +6,7 @@ Source: closed form derived here: the tip stands at nominal + e (docs/engine.md)
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -44,6 +44,9 @@ class ActingEffect(Protocol):
     def at_surface(self, states: PathStates) -> np.ndarray:
         """Further displacement of the cutting edge at the contact, (P, 3) mm."""
 
+    def tool_shift(self, states: PathStates) -> np.ndarray:
+        """The part of it that moves the whole tool, wherever it touches, (P, 3) mm."""
+
     def uncertainty_patterns(self, states: PathStates) -> np.ndarray:
         """Displacements at the contact, (P, 3, K) mm of unit variance, that are left open."""
 
@@ -55,12 +58,29 @@ def displaced_sweeps(
     path = preparation.path
     # effects look back along the path, and keep what they found for all of it
     parts = [path] if effects else path.parts(PIECES_AT_ONCE)
-    return join_sweeps(
+    sweeps = join_sweeps(
         parts,
         lambda nodes: displacement_of(preparation, nodes, variant, effects),
         count=len(path.first_node),
         zero_mm=preparation.zero_mm,
         tool_index=preparation.tool_index,
+    )
+    return _with_tools_shifted(sweeps, path, effects)
+
+
+def _with_tools_shifted(sweeps: Sweeps, path: Toolpath, effects: Sequence[ActingEffect]) -> Sweeps:
+    """Sweeps where the whole tool is shifted too: of several passes the deepest one counts.
+
+    Straight between two nodes: a step within a piece swings over on neither side of it.
+    """
+    shift = sum((e.tool_shift(path.nodes) for e in effects), np.zeros((len(path.nodes), 3)))
+    if not shift.any():
+        return sweeps
+    ends = np.stack([shift[path.first_node], shift[path.first_node + 1]], axis=1)
+    return replace(
+        sweeps,
+        shift_mm=sweeps.shift_mm + ends,
+        shift_slope_mm=sweeps.shift_slope_mm + np.diff(ends, axis=1),
     )
 
 

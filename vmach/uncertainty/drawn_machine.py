@@ -76,6 +76,10 @@ class DrawnTables:
         """Nothing: the whole tool moves."""
         return np.zeros((len(states), 3))
 
+    def tool_shift(self, states: PathStates) -> np.ndarray:
+        """Nothing beside the displacement."""
+        return np.zeros((len(states), 3))
+
     def uncertainty_patterns(self, states: PathStates) -> np.ndarray:
         """Nothing is left open once it is drawn."""
         return np.zeros((len(states), 3, 0))

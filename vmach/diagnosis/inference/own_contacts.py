@@ -15,7 +15,7 @@ from vmach.diagnosis.fitted_parameters import fitted_values
 from vmach.diagnosis.inference.bank import Bank
 from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
-from vmach.effects import EffectInstance
+from vmach.effects import AtAnyMoment, EffectInstance
 from vmach.fit.base import Base
 from vmach.fit.candidates import Candidate, candidate_of, gather_candidates
 from vmach.fit.marginal_likelihood import Effects, Posterior
@@ -27,6 +27,8 @@ __all__ = ["chosen_by_all", "chosen_by_one", "over", "over_own_contacts"]
 
 #: what other contacts change of the readings, in stated uncertainties, before they matter
 _NOTABLE = 0.25
+#: difference of log probability below which contacts explain readings alike: of rounding; chosen
+_ALIKE = 0.01
 
 
 def over_own_contacts(weighing: Weighing, found: Explanation) -> tuple[Weighing, Explanation]:
@@ -56,14 +58,17 @@ def chosen_by_all(weighing: Weighing, found: Explanation) -> Survey | None:
         EffectInstance(term.effect, term.target, fitted_values(fit, k), survey.job)
         for k, term in enumerate(fit.terms)
     ]
-    moved = survey.made_beside(acting)
-    if not _differ(survey, moved, acting):
+    # their moments are fitted over contacts that hold whatever those are
+    steps = [AtAnyMoment(one) for one in acting if one.effect.is_sudden]
+    moved = survey.made_beside([*acting, *steps])
+    made_s = [np.concatenate([path.time_s for path in s.paths]) for s in (survey, moved)]
+    if not (_differ(survey, moved, acting) or (steps and np.any(made_s[0] != made_s[1]))):
         return None
     # what was worked out of many readings takes much memory
     weighing.forget()
     other = Weighing(moved, weighing.candidates, noise=weighing.base.noise)
-    is_better = other.explain(found.terms, found.posterior.sizes).score > found.score
-    return moved if is_better else None
+    gain = other.explain(found.terms, found.posterior.sizes).score - found.score
+    return moved if gain > (-_ALIKE if steps else 0.0) else None
 
 
 def chosen_by_one(weighing: Weighing) -> tuple[str, Survey] | None:

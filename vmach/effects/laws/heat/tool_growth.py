@@ -42,6 +42,9 @@ class ToolGrowth(Effect):
     def displacement(self, path, target, growth_um, time_constant_s):
         return along("Z", -1e-3 * growth_um * _warmth(path, time_constant_s))
 
+    def tool_shift(self, path, target, **parameters):
+        return self.displacement(path, target, **parameters)
+
 
 def _warmth(path, time_constant_s: float) -> np.ndarray:
     """Warmth of the tool in the spindle, which turns and cuts or waits outside, (P,)."""

@@ -41,4 +41,7 @@ class ToolChip(Sudden, OfOneTool):
     def displacement(self, path, target, radius_um, length_um, time_s):
         chipped = by_tool(path, target) * (path.time_s > time_s)
         walls = 1e-3 * radius_um * chipped[:, None] * by_radius(path)
-        return walls + along("Z", 1e-3 * length_um * chipped)
+        return walls + self.tool_shift(path, target, length_um, time_s)
+
+    def tool_shift(self, path, target, length_um, time_s, **_):
+        return along("Z", 1e-3 * length_um * by_tool(path, target) * (path.time_s > time_s))

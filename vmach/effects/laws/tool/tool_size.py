@@ -162,6 +162,9 @@ class ToolLength(OfOneTool):
     def displacement(self, path, target, length_um):
         return along("Z", -1e-3 * length_um * by_tool(path, target))
 
+    def tool_shift(self, path, target, **parameters):
+        return self.displacement(path, target, **parameters)
+
 
 def by_tool(path, target: str) -> np.ndarray:
     """1 where the state belongs to the tool ``T1`` ..., else 0; (P,)."""

@@ -43,3 +43,6 @@ class ToolSlip(Sudden, OfOneTool):
     def displacement(self, path, target, slip_um, time_s):
         slipped = by_tool(path, target) * (path.time_s > time_s)
         return along("Z", -1e-3 * slip_um * slipped)
+
+    def tool_shift(self, path, target, **parameters):
+        return self.displacement(path, target, **parameters)

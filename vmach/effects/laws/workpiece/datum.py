@@ -51,6 +51,9 @@ class Fixture(Effect):
         moved = 1e-3 * shift + np.cross(1e-6 * turn, path.in_work_offset_mm)
         return inside[:, None] * moved
 
+    def tool_shift(self, path, target, **parameters):
+        return self.displacement(path, target, **parameters)
+
 
 class DatumShift(Sudden):
     """From one moment on everything is shifted: a collision, a slipped clamp, a lost datum."""
@@ -77,3 +80,6 @@ class DatumShift(Sudden):
     def displacement(self, path, target, shift_x_um, shift_y_um, shift_z_um, time_s):
         after = (path.time_s > time_s).astype(float)
         return 1e-3 * after[:, None] * np.array([shift_x_um, shift_y_um, shift_z_um])
+
+    def tool_shift(self, path, target, **parameters):
+        return self.displacement(path, target, **parameters)

@@ -47,3 +47,6 @@ class WorkpieceWarming(OfWarmthByTime):
         stretch_mm = 1e-6 * expansion_ppm * (path.on_part_mm - bottom)
         moved_mm = stretch_mm + 1e-3 * np.array([at_zero_x_um, at_zero_y_um, 0.0])
         return -self.warmth(path, **time)[:, None] * moved_mm
+
+    def tool_shift(self, path, target, **parameters):
+        return self.displacement(path, target, **parameters)
