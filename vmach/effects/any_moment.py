@@ -1,8 +1,8 @@
 """A step whose moment is not known: which of equally deep passes made a surface beside it.
 
 Source: closed form derived here: of passes at times t_k the step s H(t - t_0) leaves
-min_k s H(t_k - t_0), which is s H(min t_k - t_0) where s raises the tool, and s H(max t_k - t_0)
-where it lowers it, whatever t_0.
+min_k s H(t_k - t_0). That is s H(min t_k - t_0) where s raises the tool, and s H(max t_k - t_0)
+where it lowers it.
 """
 
 from __future__ import annotations
