@@ -130,6 +130,10 @@ def _pattern(found: Any, count: int) -> np.ndarray:
     return _numbers(found, (count, 3), f"(P, 3) mm, one row a state: here {(count, 3)}")
 
 
+def _shift(found: Any, count: int) -> np.ndarray | None:
+    return None if found is None else _pattern(found, count)
+
+
 def _patterns(found: Any, count: int) -> np.ndarray:
     accepted = f"(P, 3, K) mm, one row a state: here ({count}, 3, K)"
     return _numbers(found, (count, 3, None), accepted)
@@ -186,6 +190,7 @@ def _curve(found: Any, count: int) -> np.ndarray:
 #: functions that an effect may write, and what checks that their results are of the right kind
 _CHECKED: dict[str, Callable[[Any, int], Any]] = {
     "displacement": _displaced,
+    "tool_shift": _shift,
     "possible_targets": _words,
     "is_unmeasured": _yes_or_no,
     "needed": _words,

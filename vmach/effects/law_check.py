@@ -62,9 +62,9 @@ def _ask_all(effect: Effect, path: Circumstances, target: str) -> None:
         count = effect.columns(path, target, inner).shape[2]
         parameters = effect.settle(np.ones(count), inner)
         effect.unforeseen(path, target, parameters)
-        if not effect.needs_surface:
-            bare = replace(path.states, contact_mm=np.zeros((len(path), 3)), normal=None)
-            effect.displacement(replace(path, states=bare), target, **parameters)
+        bare = replace(path.states, contact_mm=np.zeros((len(path), 3)), normal=None)
+        on_tool = effect.tool_shift if effect.needs_surface else effect.displacement
+        on_tool(replace(path, states=bare), target, **parameters)
 
 
 class _Trial:

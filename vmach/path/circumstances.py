@@ -17,7 +17,7 @@ from vmach.job import Job
 from vmach.machine import RigidDisplacement, Variant
 from vmach.path.blank_depth import blank_depth_mm
 from vmach.path.dynamics import corner_before, curvature_per_mm
-from vmach.path.engagement import radial_depth_mm
+from vmach.path.engagement import Engagement, engagement
 from vmach.path.levers import levers, tilts_of_axes_rad
 from vmach.path.motion_history import MotionHistory
 from vmach.path.toolpath import PathStates
@@ -287,10 +287,7 @@ class Circumstances:
 
         Up to what earlier passes of the program left, or the blank where none went.
         """
-        radii = np.full(len(self.states.tool_lengths_mm), np.nan)
-        for number, tool in self.job.tools.items():
-            radii[number] = 0.5 * tool.diameter_mm
-        depth = radial_depth_mm(self.states, self.normal, radii)
+        depth = self._engagement.radial_mm
         if self.job.blank is None:
             return depth
         across = np.linalg.norm(self.side_normal, axis=1, keepdims=True)
@@ -299,11 +296,26 @@ class Circumstances:
 
     @cached_property
     def axial_depth_mm(self) -> np.ndarray:
-        """Height of the tip below the top of the blank, (P,); 1 mm where there is no blank."""
+        """Height of the material before the surface above the tip, (P,) mm.
+
+        Up to the top of the blank, or to the lowest earlier pass over it, as that of a face mill.
+        1 mm where there is no blank; no pass is known of what belongs to no surface.
+        """
         if self.job.blank is None:
             return np.ones(len(self))
         tip = self.on_part_mm[:, 2] - self.contact_mm[:, 2]
-        return np.maximum(self.job.blank.max_mm[2] - tip, 0.0)
+        top = np.full(len(self), self.job.blank.max_mm[2])
+        if self.states.normal is not None:
+            zero = (self.nose_mm + self.tool_mm)[:, 2] - tip
+            top = np.minimum(top, self._engagement.top_mm - zero)
+        return np.maximum(top - tip, 0.0)
+
+    @cached_property
+    def _engagement(self) -> Engagement:
+        radii = np.full(len(self.states.tool_lengths_mm), np.nan)
+        for number, tool in self.job.tools.items():
+            radii[number] = 0.5 * tool.diameter_mm
+        return engagement(self.states, self.normal, radii)
 
     # machine ------------------------------------------------------------------------------
 

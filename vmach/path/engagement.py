@@ -1,7 +1,7 @@
-"""How much material the tool took where it made the surface: radial depth along the normal.
+"""How much material the tool took where it made the surface: across the surface, and above.
 
 Source: closed form derived here: the way along the normal to the nearest earlier pass, a disc or
-a stadium of the tool's radius.
+a stadium of the tool's radius; what lies above the middle of that way was cut by passes over it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from vmach.base.alike_rows import alike_rows
 from vmach.path.geometry import move_length_mm, position_at
 from vmach.path.toolpath import PathStates
 
-__all__ = ["radial_depth_mm"]
+__all__ = ["Engagement", "engagement"]
 
 _ARC_STEP_RAD = np.radians(1.5)
 #: how far chords of an arc may lie from it
@@ -32,6 +32,18 @@ _GOUGE_MM = 0.05
 _VERTICAL = 1e-6
 #: sine or cosine of an angle below which two lines count as parallel or square
 _PARALLEL = 1e-9
+
+
+class Engagement(NamedTuple):
+    """What the last cut found in front of a surface, at P contacts.
+
+    `radial_mm` (P,) is the thickness of material on the final surface before, along the horizontal
+    part of the normal; `top_mm` (P,) is the lowest height in machine coordinates at which earlier
+    passes went over the middle of it, inf where none did.
+    """
+
+    radial_mm: np.ndarray
+    top_mm: np.ndarray
 
 
 class _Contacts(NamedTuple):
@@ -61,14 +73,15 @@ class _Chords(NamedTuple):
     cut: np.ndarray
 
 
-def radial_depth_mm(states: PathStates, normal: np.ndarray, radii_mm: np.ndarray) -> np.ndarray:
-    """Thickness of material on the final surface before the last cut, (P,) mm.
+def engagement(states: PathStates, normal: np.ndarray, radii_mm: np.ndarray) -> Engagement:
+    """What the last cut found in front of the final surface.
 
     For every contact, the line along the horizontal part of the normal is met with the stadiums
     that the tool's earlier passes swept at that depth; material begins where the first of them
-    is entered. Bounded by the tool's diameter; zero where the normal is vertical. A cut, from one
-    rapid to the next, that would have taken the surface itself away is not counted: the surface
-    was measured, so that cut is not as it is written, or the point is of another feature.
+    is entered: the radial depth. It is bounded by the tool's diameter, and zero where the normal
+    is vertical. A cut, from one rapid to the next, that would have taken the surface itself away
+    is not counted: the surface was measured, so that cut is not as it is written, or the point is
+    of another feature.
 
     Parameters
     ----------
@@ -80,10 +93,13 @@ def radial_depth_mm(states: PathStates, normal: np.ndarray, radii_mm: np.ndarray
         Of tool number k at index k; NaN where there is no such tool.
     """
     first, of = alike_rows([states.move, states.parameter, states.contact_mm, normal])
-    return _depth_of_each(states[first], normal[first], radii_mm)[of]
+    radial_mm, top_mm = _of_each(states[first], normal[first], radii_mm)
+    return Engagement(radial_mm[of], top_mm[of])
 
 
-def _depth_of_each(states: PathStates, normal: np.ndarray, radii_mm: np.ndarray) -> np.ndarray:
+def _of_each(
+    states: PathStates, normal: np.ndarray, radii_mm: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     flat = np.hypot(normal[:, 0], normal[:, 1])
     sideways = flat > _VERTICAL
     direction = normal[:, :2] / np.where(sideways, flat, 1.0)[:, None]
@@ -132,12 +148,35 @@ def _chords(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _depths(contacts, chords):
-    """Depth at every contact, (P,) mm."""
-    depth = np.zeros(len(contacts.position_mm))
+    """Depth at every contact, and the height to which material before it reached, (P,) mm."""
+    depth, top = np.zeros(len(contacts.position_mm)), np.full(len(contacts.position_mm), np.inf)
     for k in range(len(depth)):
         if contacts.direction[k, 0] != 0.0 or contacts.direction[k, 1] != 0.0:
             depth[k] = _depth(contacts, k, chords)
-    return depth
+            top[k] = _top(contacts, k, chords, 0.5 * depth[k])
+    return depth, top
+
+
+@njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+def _top(contacts, k, chords, before):
+    """Lowest tip of earlier passes over what lies `before` contact k, mm outwards; inf if none."""
+    start, end, height = chords.start_mm, chords.end_mm, contacts.position_mm[k, 2]
+    x = contacts.position_mm[k, 0] + before * contacts.direction[k, 0]
+    y = contacts.position_mm[k, 1] + before * contacts.direction[k, 1]
+    way, top = contacts.way_mm[k] - _SAME_CUT_RADII * contacts.radius_mm[k], np.inf
+    for c in range(len(start)):
+        left = way - chords.way_radius_mm[c, 0]
+        if left <= 0.0:
+            break
+        tip = max(start[c, 2], end[c, 2])
+        if tip < height or tip >= top:
+            continue
+        chord_x, chord_y = end[c, 0] - start[c, 0], end[c, 1] - start[c, 1]
+        share = min(1.0, left / max(math.hypot(chord_x, chord_y), left))
+        offset, chord = (x - start[c, 0], y - start[c, 1]), (share * chord_x, share * chord_y)
+        if _distance(offset, chord) < chords.way_radius_mm[c, 1]:
+            top = tip
+    return top
 
 
 @njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
