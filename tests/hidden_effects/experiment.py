@@ -87,8 +87,12 @@ def make_experiment(
     else:
         raise ValueError(f"{' and '.join(effects)} cannot be seen")
     missing = tuple(name for h in hidden for name in h.missing)
+    turned = tuple(name for h in hidden for name in h.turned_round)
     wrong = {n: machine.reflector_mm[n] + d for h in hidden for n, d in h.misplaced.items()}
-    write_machine(folder, machine, rng, missing=missing, misplaced=wrong, noisy=noisy_tables)
+    write_machine(
+        folder, machine, rng,
+        missing=missing, misplaced=wrong, turned_round=turned, noisy=noisy_tables,
+    )  # fmt: skip
     for h in hidden:
         machine.extra.update(h.changed)
     truth = {

@@ -195,6 +195,7 @@ def write_machine(
     *,
     missing: tuple[str, ...] = (),
     misplaced: dict[str, np.ndarray] | None = None,
+    turned_round: tuple[str, ...] = (),
     noisy: bool = True,
 ) -> None:
     """machine.toml and errors/*.csv as a calibration at health would have given them.
@@ -203,6 +204,7 @@ def write_machine(
     ----------
     missing : names of tables that nobody measured
     misplaced : name -> where the record says that the reflector stood, mm, though it did not
+    turned_round : names of tables that are written with the other sign
     """
     (folder / "errors").mkdir(parents=True, exist_ok=True)
     lines = _header(machine)
@@ -212,7 +214,9 @@ def write_machine(
             if name in missing:
                 lines.append(f"# {name}: not measured")
                 continue
-            _write_table(folder / "errors" / f"{name}.csv", machine, name, rng if noisy else None)
+            sign = -1.0 if name in turned_round else 1.0
+            noise = rng if noisy else None
+            _write_table(folder / "errors" / f"{name}.csv", machine, name, rng=noise, sign=sign)
             lines += [f"[errors.{name}]", f'table = "errors/{name}.csv"']
             if kind in "XYZ":
                 place = (misplaced or {}).get(name, machine.reflector_mm[name])
@@ -244,7 +248,7 @@ def _header(machine: TrueMachine) -> list[str]:
 
 
 def _write_table(
-    path: Path, machine: TrueMachine, name: str, rng: np.random.Generator | None
+    path: Path, machine: TrueMachine, name: str, *, rng: np.random.Generator | None, sign: float
 ) -> None:
     axis = name[2]
     low, high = machine.travel_mm[axis]
@@ -259,7 +263,7 @@ def _write_table(
     noise = (
         np.zeros((2, len(position))) if rng is None else sigma * rng.normal(size=(2, len(position)))
     )
-    rows = np.stack([position, reading + noise[0], reading + noise[1]], axis=1)
+    rows = np.stack([position, *(sign * (reading + noise))], axis=1)
     np.savetxt(
         path, rows, delimiter=",", header="position_mm,forward,backward", comments="", fmt="%.6f"
     )

@@ -31,6 +31,33 @@ def drifted_table(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     )
 
 
+def reversed_table(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """Whoever typed it in took nominal minus actual."""
+    name = str(rng.choice(["EXX", "EYY", "EYX", "EXY", "EZX", "EZY", "EAX", "EBX", "EAY", "EBY"]))
+    return Hidden(
+        "error_tables",
+        ("error_tables", f"component {name}"),
+        {"turned round": name},
+        comparable={"share": 2.0},
+        turned_round=(name,),
+        target=name,
+    )
+
+
+def compensated_tables(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """What was measured is in the control now: the axes are right, and square as they were."""
+    tables = {name: _times(-1.0, curve) for name, curve in machine.curves.items()}
+    told = {"compensated": "all tables"}
+    return Hidden(
+        "error_tables", ("error_tables",), told,
+        comparable={"share": 1.0}, changed=tables, target="tables",
+    )  # fmt: skip
+
+
+def _times(share: float, curve: ErrorCurve):
+    return lambda position_mm: share * curve(position_mm)
+
+
 def local_damage(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     """A dent in one guide."""
     name = str(rng.choice(["EZX", "EZY", "EYX", "EXY"]))
@@ -106,4 +133,7 @@ def table_load_sag(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     )
 
 
-TABLES = (missing_table, drifted_table, local_damage, reflector, gravity_sag, table_load_sag)
+TABLES = (
+    missing_table, drifted_table, local_damage, reflector, gravity_sag, table_load_sag,
+    reversed_table, compensated_tables,
+)  # fmt: skip

@@ -54,6 +54,9 @@ def share_um(hidden: Hidden, part: Part, state: State, machine: TrueMachine) -> 
         e = e + _component_mm(name, change, state, machine)
     for name in hidden.missing:
         e = e + _component_mm(name, machine.curves[name], state, machine, known_at_reflector=True)
+    for name in hidden.turned_round:
+        curve = machine.curves[name]
+        e = e + 2.0 * _component_mm(name, curve, state, machine, known_at_reflector=True)
     for name, wrong in hidden.misplaced.items():
         e = e - _misread_mm(name, wrong, state, machine)
     return _per_point(np.einsum("ij,ij->i", e, state.normal), part) * 1e3

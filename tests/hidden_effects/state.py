@@ -26,6 +26,7 @@ class Hidden:
     displacement_mm : state -> (M, 3) of the tool against the workpiece; None for pure tables
     changed : component -> function of position that came on top since the calibration
     missing : tables that were never measured
+    turned_round : tables that the file has with the other sign
     misplaced : reading -> what the record adds to the place of the reflector, mm
     target : axis or component where there is one
     amounts : what one of each of its amounts does, state -> (M, 3); empty where all go together
@@ -44,6 +45,7 @@ class Hidden:
     comparable: dict[str, float] = field(default_factory=dict)
     changed: dict[str, Callable] = field(default_factory=dict)
     missing: tuple[str, ...] = ()
+    turned_round: tuple[str, ...] = ()
     misplaced: dict[str, np.ndarray] = field(default_factory=dict)
     target: str | None = None
     once: bool = False
