@@ -10,6 +10,7 @@ from vmach.diagnosis.inference.other_sets import otherwise
 from vmach.diagnosis.inference.remains import sizes_um
 from vmach.diagnosis.inference.verdicts import Inference, Reason
 from vmach.diagnosis.inference.weighing import Explanation
+from vmach.diagnosis.other_clocks import at_other_clocks
 from vmach.diagnosis.residuals.where_it_fails import Failure
 from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.words import where_component
@@ -105,11 +106,12 @@ def findings_of(found: Inference) -> tuple[Finding, ...]:
     if fit is None or not found.supports:
         return ()
     others = otherwise(found.among, found.told)
+    by_clock = at_other_clocks(fit, found.weighing.plain_mm())
     sizes = sizes_um(found.among, found.told)[: len(found.supports)]
     total = found.remains_um**2 + sum(size**2 for size in sizes)
     return tuple(
         replace(
-            _finding(found, fitted_parameters(fit, k, others[k]), k, judged),
+            _finding(found, fitted_parameters(fit, k, [*others[k], *by_clock[k]]), k, judged),
             size_um=size,
             share=size**2 / total,
         )

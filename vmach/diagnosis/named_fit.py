@@ -9,13 +9,14 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from vmach.diagnosis.component_curve import component_directions
-from vmach.diagnosis.fitted_parameters import fitted_parameters
+from vmach.diagnosis.fitted_parameters import FittedParameters, fitted_parameters
 from vmach.diagnosis.inference.by_definition import beyond_slopes
 from vmach.diagnosis.inference.noise import noise_after
 from vmach.diagnosis.inference.own_contacts import over_own_contacts
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.support import supports_of
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
+from vmach.diagnosis.other_clocks import at_other_clocks
 from vmach.diagnosis.proposals.forms import Forms
 from vmach.effects import Effect, catalogue, label_of
 from vmach.effects.catalogue import unknown_effect_hint
@@ -98,7 +99,7 @@ def _named_beside_forms(weighing: Weighing, found: Explanation) -> tuple[NamedEf
 
     A form that holds one of them, as a turn with its arms holds a scale, would take its place.
     """
-    forms, count = Forms(weighing, found), len(found.terms)
+    forms, count, plain_mm = Forms(weighing, found), len(found.terms), weighing.plain_mm()
     grown = forms.added(found)
     beside = [
         form for form in grown.terms[count:]
@@ -109,10 +110,12 @@ def _named_beside_forms(weighing: Weighing, found: Explanation) -> tuple[NamedEf
     told = weighing.explain(terms, grown.posterior.sizes, resize=len(terms) < len(grown.terms))
     fit = weighing.careful(told)
     assert fit is not None
+    by_clock = at_other_clocks(fit, plain_mm)
     units: list[np.ndarray] = []
     named = []
     for k, support in enumerate(supports_of(weighing, told, count)):
-        effect, unit = _named_effect(weighing.survey, fit, k, is_called_for=support.is_shown)
+        fitted = fitted_parameters(fit, k, by_clock[k])
+        effect, unit = _named_effect(fitted, fit, k, is_called_for=support.is_shown)
         correlations = {
             named[i].label: before @ fit.cross_covariance(i, k) @ unit.T
             for i, before in enumerate(units)
@@ -138,7 +141,7 @@ def _extended(
 
 
 def _named_effect(
-    survey: Survey, fit: JointFit, k: int, *, is_called_for: bool
+    fitted: FittedParameters, fit: JointFit, k: int, *, is_called_for: bool
 ) -> tuple[NamedEffect, np.ndarray]:
     """Term k of a fit, with the uncertainty that goes into a job.
 
@@ -149,9 +152,10 @@ def _named_effect(
     (D, K + I) float64
         What its coefficients and inner logarithms make of each of its D changes.
     """
-    term, fitted = fit.terms[k], fitted_parameters(fit, k)
+    term = fit.terms[k]
     if term.effect.corrects_table:
-        one_sigma, unit = component_directions(fit, k, survey.paths[0])
+        path = fit.posterior.base.survey.paths[0]
+        one_sigma, unit = component_directions(fit, k, path)
     else:
         one_sigma, unit = _as_wide_as(fitted.u, fit.directions(k)), fit.unit_changes(k)
     moves = [k for k, change in enumerate(one_sigma) if any(np.any(v) for v in change.values())]

@@ -110,6 +110,7 @@ def _averaged(
     if not others:
         return spreads
     slope, wide = fit.slope(k), float(ndtri(0.975))
+    bounds = {p.name: (p.low, p.high) for p in fit.terms[k].effect.inner_parameters}
     weight = np.array([1.0, *(other.weight for other in others)])
     weight /= weight.sum()
     found = {}
@@ -122,6 +123,9 @@ def _averaged(
         low, high = _quantiles(weight, away, spread)
         # of its own set it is known better than as a normal distribution
         low, high = value + min(low, own.low - value), value + max(high, own.high - value)
+        # along tangents an end may lie beyond what the catalogue allows
+        least, most = bounds.get(name, (-np.inf, np.inf))
+        low, high = max(low, min(own.low, least)), min(high, max(own.high, most))
         u = float(np.sqrt(weight[0] * own.u**2 + weight[1:] @ (away**2 + spread**2)[1:]))
         u = min(u, max(own.u, max(high - value, value - low) / wide))
         found[name] = replace(own, u=u, low=low, high=high)

@@ -15,6 +15,7 @@ from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import check_section, line_of_key
 from vmach.instruments.catalogue import catalogue
+from vmach.instruments.clocks import read_by_clock
 from vmach.job import Job
 from vmach.machine import Machine, Variant
 from vmach.measurements.columns import Columns, read_columns
@@ -60,7 +61,7 @@ def read_instruments(job: Job, *, effects: Sequence[ActingEffect] = ()) -> tuple
         settings = settings_of(job, number)
         path = job.folder / settings.file
         table, noticed = _read(settings, path)
-        test = settings.read(table, model)
+        test = read_by_clock(settings, table, model)
         check_unit(test, path)
         test = test.noted(*in_file((*noticed, *_twice(test, found), *_length(settings)), path))
         if is_doubtful(test):
@@ -75,12 +76,12 @@ def _alternatives(settings: Instrument, table: Columns, model: _Model) -> Iterat
     for change in settings.mistaken():
         ((key, value),) = change.items()
         with suppress(InputError):  # it cannot have been so
-            other = settings.model_copy(update=change).read(table, model)
+            other = read_by_clock(settings.model_copy(update=change), table, model)
             said = f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value:g}"
             question = f"is {key} = {getattr(settings, key)} in the job right?"
             yield Alternative(said, question, other.predicted_mm)
     for axes, machine in exchanged_tables(model.job.machine):
-        yield exchanged(axes, settings.read(table, model.of(machine)).predicted_mm)
+        yield exchanged(axes, read_by_clock(settings, table, model.of(machine)).predicted_mm)
 
 
 class _Model:

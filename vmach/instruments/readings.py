@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from vmach.base.note import Kind, Note, in_file
-from vmach.base.units import mm_from_um, mm_per_s_from_mm_per_min
+from vmach.base.note import Note, in_file
+from vmach.base.units import mm_from_um
 from vmach.machine import LINEAR_AXES
 from vmach.measurements import Measurement
 from vmach.measurements.columns import Columns
@@ -29,7 +29,6 @@ __all__ = [
     "in_three_directions",
     "one_a_stop",
     "three_directions",
-    "with_clock",
 ]
 
 #: displacements along X, Y and Z of one place
@@ -41,29 +40,6 @@ PLANNED_TOOL_LENGTH_MM = 150.0
 _ORDINARY_SCALE_PPM = 3.0
 #: into how many stretches a test without runs is cut
 STRETCHES = 10
-#: s that an axis stands at a place of which no time was noted; chosen: a laser takes its reading
-#: once the axis has settled, a few seconds after it stopped
-_STOP_S = 5.0
-
-
-def with_clock(
-    table: Columns, nose_mm: np.ndarray, model: ModelOfTest
-) -> tuple[Columns, tuple[Note, ...]]:
-    """A table with the times of its places, (P, 3) mm, and what was assumed of them.
-
-    Tables of ISO 230-2 hold none: the places follow each other row by row, in rapid motion.
-    """
-    if "t_s" in table.numbers:
-        return table, ()
-    way_mm = np.abs(np.diff(nose_mm, axis=0, prepend=nose_mm[:1])).max(axis=1)
-    under_way_s = way_mm / mm_per_s_from_mm_per_min(model.rapid_mm_per_min)
-    time_s = np.cumsum(_STOP_S + under_way_s)
-    said = (
-        f"no times (t_s): the rows are taken to follow each other, {_STOP_S:g} s at each place, "
-        f"{time_s[-1] / 60.0:.0f} min in all; what warms is known as well as that"
-    )
-    note = Note.plain(Kind.CLOCK, said, float(time_s[-1]), "s", place="t_s")
-    return replace(table, numbers=table.numbers | {"t_s": time_s}), in_file((note,), table.path)
 
 
 def doubts_of_stops(
@@ -89,7 +65,7 @@ def along_line(
     ----------
     settings : Instrument
     table : Columns
-        With ``run``, ``approach``, ``deviation_um``, and ``t_s`` where it was noted.
+        With ``run``, ``approach``, ``deviation_um`` and ``t_s``.
     nose_mm : (P, 3) float64
         Places of the spindle nose.
     direction : (3,) float64
@@ -106,12 +82,11 @@ def along_line(
     check_travel(nose_mm, table, model.travel_mm)
     check_extent(nose_mm, table)
     side = np.sign(table.numbers["approach"])[:, None] * np.sign(np.round(direction, 9))
-    table, assumed = with_clock(table, nose_mm, model)
     states = stop_and_go(
         nose_mm, table.numbers["t_s"], side=side, tool_length_mm=settings.tool_length_mm
     )
     sensing = np.tile(direction, (len(nose_mm), 1))
-    notes = (*assumed, *doubts_of_stops(nose_mm, side, table, model))
+    notes = doubts_of_stops(nose_mm, side, table, model)
     test = one_a_stop(settings, table, states, sensing, model=model, notes=notes)
     ppm = _ORDINARY_SCALE_PPM if scale_u_ppm is None else scale_u_ppm
     scale_u_mm = 1e-6 * ppm * (nose_mm @ direction)
@@ -133,7 +108,7 @@ def one_a_stop(
     return Measurement(
         instrument=type(settings),
         name=table.path.name,
-        id=np.arange(1, count + 1).astype(str),
+        id=table.text.get("id", np.arange(1, count + 1).astype(str)),
         states=states,
         sensing=sensing,
         measured_mm=mm_from_um(table.numbers[column]),

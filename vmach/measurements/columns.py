@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,12 +17,24 @@ __all__ = ["Columns", "finite_number", "read_columns", "rows_below"]
 
 @dataclass(frozen=True)
 class Columns:
-    """Named columns of one file, and the line that each row stands on."""
+    """Named columns of one file, and the line that each row stands on.
+
+    `order_is_stated` says whether the rows are known to follow each other in time.
+    """
 
     path: Path
     lines: np.ndarray
     text: dict[str, np.ndarray]
     numbers: dict[str, np.ndarray]
+    order_is_stated: bool = True
+
+    def take(self, rows: np.ndarray) -> Columns:
+        """Some of the rows, (R,) index, in that order."""
+        text, numbers = (
+            {name: values[rows] for name, values in own.items()}
+            for own in (self.text, self.numbers)
+        )
+        return replace(self, lines=self.lines[rows], text=text, numbers=numbers)
 
     def vectors(self, names: Sequence[str]) -> np.ndarray:
         """Several columns side by side, (P, K) float64."""

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from vmach.base.note import Note
+from vmach.measurements.clock import AssumedClock
 from vmach.measurements.instrument import Instrument
 from vmach.path.toolpath import PathStates
 from vmach.prediction import ActingEffect
@@ -100,6 +101,8 @@ class Measurement:
         has one.
     scale_is_stated : bool
         Whether the job states it; else it is that of an ordinary instrument.
+    assumed : AssumedClock or None
+        Where the file states no times.
     """
 
     instrument: type[Instrument]
@@ -119,6 +122,7 @@ class Measurement:
     measured_at: np.ndarray | None = None
     scale_u_mm: np.ndarray | None = None
     scale_is_stated: bool = True
+    assumed: AssumedClock | None = None
 
     def __post_init__(self) -> None:
         count = len(self.measured_mm)

@@ -1,6 +1,7 @@
 """Runs side by side: a row of each place, a column of each run from either side.
 
 Source: ISO 230-2, bidirectional runs; within a run the places are reached in turn, out and back.
+Which side a run began from such a table does not say.
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ _SIDES = {"forward": 1.0, "backward": -1.0}
 
 
 def read_side_by_side(path: Path, columns: Sequence[str]) -> Columns | None:
-    """The readings of a file in the order of the runs; None where its runs stand below each other.
+    """The readings of a file in the order of the runs, each forward first.
+
+    None where its runs stand below each other. ``id`` of a reading is its line and column.
 
     Parameters
     ----------
@@ -62,12 +65,14 @@ def read_side_by_side(path: Path, columns: Sequence[str]) -> Columns | None:
             line, cells = body[k]
             if cell := cells[one.column].strip():
                 value = finite_number(cell, header[one.column], path, line)
-                rows.append((line, one.number, at[k], _SIDES[one.side], value))
+                own_id = f"line {line} {header[one.column]}"
+                rows.append((line, one.number, at[k], _SIDES[one.side], value, own_id))
     if not rows:
         raise InputError("no readings: all cells are empty", file=path)
-    lines, numbers, places, sides, values = map(np.array, zip(*rows, strict=True))
-    text = {run: numbers.astype(str)}
-    return Columns(path, lines, text, {place: places, side: sides, reading: values})
+    lines, numbers, places, sides, values, ids = map(np.array, zip(*rows, strict=True))
+    text = {run: numbers.astype(str), "id": ids}
+    found = {place: places, side: sides, reading: values}
+    return Columns(path, lines, text, found, order_is_stated=False)
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from vmach.effects import Circumstances, read_effects
 from vmach.errors import InputError
+from vmach.fit.clocks import in_likeliest_order
 from vmach.fit.survey import Survey
 from vmach.instruments import measure_part, read_instruments
 from vmach.job import Job, read_job
@@ -42,7 +43,7 @@ def survey_job(job_path: Job | str | Path) -> Survey:
             file=job.path,
             accepted="measured = a CSV of CMM points, or [[measurements]]",
         )
-    return Survey(job, tuple(found), effects)
+    return in_likeliest_order(Survey(job, tuple(found), effects))
 
 
 def _compile_circumstances(preparation: Preparation) -> None:

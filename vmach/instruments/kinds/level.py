@@ -15,7 +15,6 @@ from vmach.instruments.readings import (
     PLANNED_TOOL_LENGTH_MM,
     doubts_of_stops,
     one_a_stop,
-    with_clock,
 )
 from vmach.machine import LINEAR_AXES
 from vmach.measurements.instrument import Instrument, PlannedTest
@@ -64,11 +63,10 @@ class Level(Instrument):
         check_extent(nose, table)
         side = np.zeros_like(nose)
         side[:, axis] = np.sign(table.numbers["approach"])
-        table, assumed = with_clock(table, nose, model)
         states, sensing = _tilts(
             nose, table.numbers["t_s"], side, about=self.about, tool_length_mm=self.tool_length_mm
         )
-        notes = (*assumed, *doubts_of_stops(nose, side, table, model))
+        notes = doubts_of_stops(nose, side, table, model)
         return one_a_stop(self, table, states, sensing, model=model, notes=notes)
 
     @classmethod
