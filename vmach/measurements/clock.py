@@ -2,6 +2,9 @@
 
 Tables after ISO 230-2 hold no times, and not which side a run began from. What warms while such a
 test lasts depends on both.
+
+Source: M. Abramowitz and I. Stegun, Handbook of Mathematical Functions (1964), 25.4.46, the nodes
+and weights of Gauss and Hermite.
 """
 
 from __future__ import annotations

@@ -10,10 +10,13 @@ __all__ = ["effect_text"]
 
 #: what a single amount is of
 _ONE = "displacement per unit of its states"
+#: what is given back of a tilt, about the tip
+_TILTED = "RigidDisplacement(np.zeros_like(moved), moved)"
 _ONE_AMOUNT = """\
     def displacement(self, path, target, amount_um):
         size_um = amount_um * {states}
-        return 1e-3 * size_um[:, None] * {direction}"""
+        moved = 1e-3 * size_um[:, None] * {direction}
+        return {done}"""
 _SEVERAL_AMOUNTS = """\
     def displacement(self, path, target, **amount_um):
         amounts = np.array([amount_um[p.name] for p in self.parameters])
@@ -21,7 +24,8 @@ _SEVERAL_AMOUNTS = """\
         directions = {direction}
         # each number of the states into each direction has an amount of its own
         moved = directions.reshape(len(path), 3, -1, 1) * states.reshape(len(path), 1, 1, -1)
-        return 1e-3 * moved.reshape(len(path), 3, -1) @ amounts"""
+        moved = 1e-3 * moved.reshape(len(path), 3, -1) @ amounts
+        return {done}"""
 _TEXT = '''"""Proposed for what no effect of the catalogue explains.
 
 {formula}
@@ -30,7 +34,7 @@ _TEXT = '''"""Proposed for what no effect of the catalogue explains.
 import numpy as np
 
 from vmach.effects import Effect, linear
-
+{imported}
 
 class {kind}(Effect):
     """Proposed with {size}; log odds {odds:.0f}."""
@@ -45,7 +49,7 @@ class {kind}(Effect):
     )
     targets = ("",)
     needs_surface = {needs_surface}
-    usual_size = "{size} where it was proposed"
+{turning}    usual_size = "{size} where it was proposed"
     confirm = (
         "{refute}"
     )
@@ -69,6 +73,8 @@ def effect_text(proposal: Proposal, *, name: str) -> str:
             for amount, of in zip(proposal.amounts_um, form.each, strict=True)
         ),
         needs_surface=form.needs_surface,
+        turning="    turns_tool = True\n" * form.direction.turns_tool,
+        imported="from vmach.machine import RigidDisplacement\n" * form.direction.turns_tool,
         refute=form.refute,
         displacement=_displacement(form),
     )
@@ -83,7 +89,8 @@ def _displacement(form: Form) -> str:
     ]
     text = _ONE_AMOUNT if len(form.each) == 1 else _SEVERAL_AMOUNTS
     product = " * ".join(states or [CONSTANT.code])
-    return text.format(states=product, direction=form.direction.code)
+    done = _TILTED if form.direction.turns_tool else "moved"
+    return text.format(states=product, direction=form.direction.code, done=done)
 
 
 def _size(proposal: Proposal) -> str:

@@ -8,9 +8,9 @@ from functools import cache
 
 import numpy as np
 
-from vmach.diagnosis.proposals.refuting import ELSEWHERE, refuting_test
+from vmach.diagnosis.proposals.refuting import ELSEWHERE, TILT, refuting_test
 from vmach.diagnosis.proposals.states import CONSTANT, MOTION, Direction, State
-from vmach.effects import Effect, Parameter, linear
+from vmach.effects import Displaced, Effect, Parameter, linear
 from vmach.job import Job
 from vmach.path.circumstances import Circumstances
 
@@ -66,6 +66,8 @@ class Form:
     @property
     def refute(self) -> str:
         """What to do that would refute it, and what has to be seen if it is true."""
+        if self.direction.turns_tool:
+            return TILT
         return "; ".join(dict.fromkeys(map(refuting_test, self.states))) or ELSEWHERE
 
     @property
@@ -79,7 +81,7 @@ class Form:
         return self.first.looked_at * self.second.looked_at
 
     def at(self, path: Circumstances) -> np.ndarray:
-        """Displacements of one unit of each amount, (P, 3, K)."""
+        """Displacements of one unit of each amount, (P, 3, K), or tilts."""
         product = self.first.at(path)[:, :, None] * self.second.at(path)[:, None, :]
         product = product.reshape(len(path), 1, 1, -1)
         return (self.direction.at(path)[:, :, :, None] * product).reshape(len(path), 3, -1)
@@ -96,13 +98,15 @@ class FormEffect(Effect):
         self.form = form
         self.follows_travel = bool(form.kinds & MOTION)
         self.needs_surface = form.needs_surface
+        self.turns_tool = form.direction.turns_tool
         self.parameters = amounts(count)
 
     def possible_targets(self, job: Job) -> tuple[str, ...]:
         return (self.form.formula,)
 
-    def displacement(self, path: Circumstances, target: str, **amount_um: float) -> np.ndarray:
-        return 1e-3 * self.form.at(path) @ np.array([amount_um[p.name] for p in self.parameters])
+    def displacement(self, path: Circumstances, target: str, **amount_um: float) -> Displaced:
+        amounts = np.array([amount_um[p.name] for p in self.parameters])
+        return self.form.direction.of_tool(1e-3 * self.form.at(path) @ amounts)
 
 
 @cache

@@ -5,9 +5,12 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
+from scipy.linalg import block_diag
 
+from vmach.base.alike_rows import alike_rows
 from vmach.diagnosis.proposals.form import USUAL_UM, Form, FormEffect
 from vmach.diagnosis.proposals.spots import Spots
 from vmach.diagnosis.proposals.states import (
@@ -16,6 +19,7 @@ from vmach.diagnosis.proposals.states import (
     CUT,
     DIRECTIONS,
     HALF_TURNS,
+    TILTS,
     TURNS,
     Direction,
     State,
@@ -40,6 +44,10 @@ _ALONG_AN_AXIS = ("direction", "travel since reversal", "speed", "warm-up", "too
 _LEAST_SPAN_MM = 50.0
 #: share of the span that no reading may leave out: half the shortest wave of the curve
 _WIDEST_GAP = 1.0 / HALF_TURNS
+#: a tilt that follows the places of readings to that share of its squares is an angular error
+#: motion, which is of places by definition (ISO 230-1); chosen: a wave in time as long as runs out
+#: and back does so to 0.99, one that has nothing to do with them to 0.8 at most
+_OF_TABLE = 0.9
 #: a form that differs by less than this among the readings, mm, does not show
 _BLIND_MM = 1e-9
 
@@ -59,11 +67,14 @@ class FormColumns:
         self._zeros = TouchedZeros(survey)
         places = np.concatenate([p.on_part_mm for p in survey.paths])
         self._bend = bend_about(0.5 * (places.min(axis=0) + places.max(axis=0)))
-        every = (*DIRECTIONS, ALL_AXES, *TURNS, self._bend)
-        self._sensed = {direction: _sensed(survey, direction) for direction in every}
+        every = (*DIRECTIONS, ALL_AXES, *TURNS, self._bend, *TILTS)
+        reads = {path.states.arm_mm is not None for path in survey.paths}
+        # what reads tilts senses no displacement; tilts are asked for where something reads them
+        self._sensed = {d: _sensed(survey, d) for d in every if d.turns_tool in reads}
         self._spots = Spots(survey, self._sensed)
         # in the order in which they came; each once
-        self._forms = dict.fromkeys([*self._plain(), *self._of_several(), *self._along_axes()])
+        forms = dict.fromkeys([*self._plain(), *self._of_several(), *self._along_axes()])
+        self._forms = {form: None for form in forms if form.direction in self._sensed}
         self._formulas = {form.formula for form in self._forms}
 
     def _plain(self) -> Iterator[Form]:
@@ -71,13 +82,13 @@ class FormColumns:
         single = [state for state, value in self._states.items() if value.shape[1] == 1]
         for pair in itertools.combinations_with_replacement(single, 2):
             if pair[0] is not pair[1] or _has_square(self._states[pair[0]]):
-                yield from (Form(*pair, direction) for direction in DIRECTIONS)
+                yield from (Form(*pair, direction) for direction in (*DIRECTIONS, *TILTS))
 
     def _of_several(self) -> Iterator[Form]:
         """Those of several amounts: steps and waves, what drifts along all axes, turns, a bend."""
         for state, value in self._states.items():
             if value.shape[1] > 1:
-                yield from (Form(CONSTANT, state, direction) for direction in DIRECTIONS)
+                yield from (Form(CONSTANT, state, d) for d in (*DIRECTIONS, *TILTS))
             if state.kind in _ALONG_ALL and state.words != "":
                 yield Form(CONSTANT, state, ALL_AXES)
             if value.shape[1] == 1 and state is not CONSTANT:
@@ -94,7 +105,7 @@ class FormColumns:
             curve = curve_in(k, low, high)
             self._states[curve] = _values(self._survey, curve)
             for state in (s for s in single if s.kind in _ALONG_AN_AXIS):
-                yield from (Form(state, curve, d) for d in DIRECTIONS[:3])
+                yield from (Form(state, curve, d) for d in (*DIRECTIONS[:3], *TILTS))
 
     def add_conspicuous(self, left_mm: np.ndarray, rest_mm: np.ndarray) -> None:
         """Add what shows of waves, spots and stretches of time.
@@ -141,7 +152,7 @@ class FormColumns:
         product = (first[:, :, None] * second[:, None, :]).reshape(len(first), 1, -1)
         sensed = self._sensed[form.direction][:, :, None]
         columns = 1e-3 * USUAL_UM * (sensed * product).reshape(len(first), -1)
-        if self._zeros and not form.needs_surface:
+        if self._zeros and not form.needs_surface and not form.direction.turns_tool:
             columns -= self._zeros.columns_mm(form)
         return columns
 
@@ -150,7 +161,8 @@ class FormColumns:
         states = [s for s in form.states if len(form.states) > 1] or [form.second]
         directions = DIRECTIONS[:3] if form.direction in TURNS else (form.direction,)
         fewer = (Form(CONSTANT, state, d) for state in states for d in directions)
-        return [one for one in fewer if one in self._forms and one != form]
+        listed = (one for one in fewer if one in self._forms and one != form)
+        return [one for one in listed if self._shows(one, self.columns(one))]
 
     def space_of(self, form: Form) -> np.ndarray:
         """Orthonormal basis of the signatures with alignment taken off, (n, r)."""
@@ -177,9 +189,28 @@ class FormColumns:
         shown = [
             (form, _candidate(form, columns[rows]))
             for form, columns in pairs
-            if np.ptp(columns, axis=0).max() > _BLIND_MM
+            if self._shows(form, columns)
         ]
         return [form for form, _ in shown], [candidate for _, candidate in shown]
+
+    def _shows(self, form: Form, columns: np.ndarray) -> bool:
+        """Whether readings show a form with signatures (n, K) mm; of a tilt what no table says."""
+        if np.ptp(columns, axis=0).max() <= _BLIND_MM:
+            return False
+        if not form.direction.turns_tool:
+            return True
+        # of several amounts none, as that one would stand for a table
+        own = orthonormal(columns - self._survey.aligned(columns))
+        return bool(np.linalg.norm(self._places.T @ own, 2) ** 2 < _OF_TABLE)
+
+    @cached_property
+    def _places(self) -> np.ndarray:
+        """Orthonormal columns, one of each place of each measurement, (n, q)."""
+        blocks = []
+        for path in self._survey.paths:
+            place = alike_rows([path.nose_mm])[1]
+            blocks.append(np.eye(place.max() + 1)[place] / np.sqrt(np.bincount(place)))
+        return block_diag(*blocks)
 
 
 def _candidate(form: Form, columns: np.ndarray) -> Candidate:
@@ -218,12 +249,14 @@ def _values(survey: Survey, state: State) -> np.ndarray:
 
 
 def _sensed(survey: Survey, direction: Direction) -> np.ndarray:
-    """How readings sense a unit displacement into directions, (n, D); tilts sense none."""
+    """How readings sense a unit displacement into directions, (n, D), or a tilt."""
     parts = []
     for path, m in zip(survey.paths, survey.measurements, strict=True):
-        if path.states.arm_mm is not None or (direction.needs_surface and not m.on_part):
+        if direction.needs_surface and not m.on_part:
             parts.append(np.zeros((len(m), 1)))
         else:
-            parts.append(np.einsum("pi,pid->pd", m.sensing, direction.at(path)))
+            each = direction.at(path).transpose(2, 0, 1)
+            seen = [path.states.seen_mm(direction.of_tool(one)) for one in each]
+            parts.append(np.einsum("pi,dpi->pd", m.sensing, np.stack(seen)))
     wide = max(part.shape[1] for part in parts)
     return np.concatenate([np.broadcast_to(part, (len(part), wide)) for part in parts])

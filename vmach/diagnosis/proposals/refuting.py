@@ -5,11 +5,16 @@ from __future__ import annotations
 from vmach.diagnosis.proposals.states import State
 from vmach.machine import LINEAR_AXES
 
-__all__ = ["ELSEWHERE", "refuting_test"]
+__all__ = ["ELSEWHERE", "TILT", "refuting_test"]
 
 #: where a form depends on nothing but places
 ELSEWHERE = (
     "clamp the part elsewhere on the table and cut it again: it has to change with the place"
+)
+#: of a form that turns the tool, as a level sees it
+TILT = (
+    "read the tilts again while nothing else changes, with what it depends on twice as large or "
+    "turned round: they have to follow"
 )
 #: by kind of state
 _TESTS = {

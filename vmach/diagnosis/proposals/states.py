@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vmach.machine import LINEAR_AXES
+from vmach.effects import Displaced
+from vmach.machine import LINEAR_AXES, RigidDisplacement
 from vmach.path.circumstances import Circumstances
 
 __all__ = [
@@ -17,6 +18,7 @@ __all__ = [
     "DIRECTIONS",
     "HALF_TURNS",
     "MOTION",
+    "TILTS",
     "TURNS",
     "Direction",
     "State",
@@ -80,6 +82,8 @@ class State:
 class Direction:
     """Where to a displacement goes from `path`; or several, each with an amount of its own.
 
+    Or about what the tool turns: then it is the rotation by 1 mm over a metre, in rad.
+
     Attributes
     ----------
     words : str
@@ -92,6 +96,8 @@ class Direction:
         Places that its length depends on, in words.
     each : tuple of str
         Of several, what each is, in words.
+    turns_tool : bool
+        Whether it is a tilt.
     """
 
     words: str
@@ -99,12 +105,17 @@ class Direction:
     needs_surface: bool
     lever: tuple[str, ...] = ()
     each: tuple[str, ...] = ("",)
+    turns_tool: bool = False
 
     def at(self, path: Circumstances) -> np.ndarray:
         """Directions, (P, 3, D)."""
         value = np.asarray(eval(self.code, {"np": np, "path": path}), dtype=np.float64)
         value = value.reshape(*value.shape[:2], -1)
         return np.broadcast_to(value, (len(path), 3, value.shape[2]))
+
+    def of_tool(self, moved: np.ndarray) -> Displaced:
+        """What the tool does, moved by so much at P states, (P, 3) mm, or tilted by rad."""
+        return RigidDisplacement(np.zeros_like(moved), moved) if self.turns_tool else moved
 
 
 #: kinds of states that say how the axes move
@@ -126,6 +137,17 @@ DIRECTIONS = (
     Direction("out of the walls", "path.side_normal", True),
     Direction("out of the floors", "path.normal * np.array([0.0, 0.0, 1.0])", True),
     Direction("out of all surfaces", "path.normal", True),
+)
+
+#: about the tip: what reads tilts tells nothing of where the tool turns about
+TILTS = tuple(
+    Direction(
+        f"as a tilt about {axis} over a metre",
+        f"1e-3 * np.eye(3)[{k}] * np.ones((len(path), 1))",
+        needs_surface=False,
+        turns_tool=True,
+    )
+    for k, axis in enumerate(LINEAR_AXES)
 )
 
 #: each with an amount of its own

@@ -14,7 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.fft import next_fast_len, rfft
 
-from vmach.diagnosis.proposals.states import ALL_AXES, CUT, DIRECTIONS, Direction, State
+from vmach.diagnosis.proposals.states import (
+    ALL_AXES,
+    CUT,
+    DIRECTIONS,
+    TILTS,
+    Direction,
+    State,
+)
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import orthonormal
 from vmach.machine import LINEAR_AXES
@@ -106,7 +113,7 @@ _ARGUMENTS = (
         "a wave of {period:.4g} s in time",
         "path.time_s",
         60.0,
-        directions=(*DIRECTIONS, ALL_AXES),
+        directions=(*DIRECTIONS, ALL_AXES, *TILTS),
     ),
     _Argument(
         "wave in cutting length",
@@ -148,7 +155,7 @@ def wave_states(
         span = float(np.ptp(along))
         if span < 2.0 * argument.shortest:
             continue
-        for direction in argument.directions:
+        for direction in (d for d in argument.directions if d in sensed):
             seen = sensed[direction] * height
             if not seen.any():
                 continue

@@ -28,6 +28,7 @@ from vmach.fit.noise.measuring_machine import (
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import condensed, orthonormal
 from vmach.measurements import Measurement
+from vmach.path.circumstances import Circumstances
 
 __all__ = ["Members", "members_of"]
 
@@ -202,9 +203,16 @@ def _reversals(survey: Survey) -> np.ndarray:
         last = max(int(place.max()), 1)
         waves = np.cos(np.outer(np.arange(last + 1), np.pi * degrees / last))
         waves -= waves.mean(axis=0)
-        side = np.sum(path.play_side * m.sensing, axis=1)
+        side = _lost_with(path, m)
         blocks.append(side[:, None] * waves[place] * bool(place.any()))
     return _seen(block_diag(*blocks))
+
+
+def _lost_with(path: Circumstances, m: Measurement) -> np.ndarray:
+    """Side of the play that shows in each reading, (m,); of a tilt that of the axis that moves."""
+    if m.states.arm_mm is None:
+        return np.sum(path.play_side * m.sensing, axis=1)
+    return path.play_side @ (np.ptp(m.states.nose_mm, axis=0) > 0.0)
 
 
 def _place_of(measurement: Measurement) -> np.ndarray:
