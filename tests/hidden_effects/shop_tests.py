@@ -15,7 +15,14 @@ import numpy as np
 
 from tests.small_job import measurement, write_job
 
-__all__ = ["circle_um", "make_axis", "make_ballbar", "make_level", "make_plate"]
+__all__ = [
+    "circle_um",
+    "make_axis",
+    "make_ballbar",
+    "make_level",
+    "make_measured_plate",
+    "make_plate",
+]
 
 #: zero of the part, and travel, of the machine that is written, mm
 _ZERO, _TRAVEL = [-350, -350, -200], 700
@@ -53,6 +60,28 @@ def make_plate(folder: Path, seed: int) -> None:
     np.savetxt(folder / "holes.csv", rows, delimiter=",", header=header, comments="", fmt="%.5f")
     numbers = {"u_um": u_um, "scatter_um": float(scatter_um.std()), "strain": strain.tolist()}
     _tell(folder, hidden, numbers)
+
+
+def make_measured_plate(folder: Path, seed: int, *, by_rows: bool) -> None:
+    """A plate of 9 rows of 12 holes, out of square, whose measuring machine drifts as it warms.
+
+    It measures row by row, each along X, or in an order of chance. And `truth.json`.
+    """
+    folder.mkdir(parents=True)
+    random = np.random.default_rng(seed)
+    place = 30.0 * np.stack(np.meshgrid(np.arange(12), np.arange(9)), axis=-1).reshape(-1, 2)
+    lean_urad = random.uniform(30.0, 60.0) * random.choice([-1, 1])
+    order = np.arange(len(place)) if by_rows else random.permutation(len(place))
+    warmed = 1.0 - np.exp(-order / len(place) / random.uniform(0.4, 1.5))
+    drift_um = random.choice([-1, 1]) * random.uniform(1.0, 4.0) * warmed / warmed.max()
+    away_um = 2.5 * random.standard_normal(place.shape)
+    away_um[:, 0] += drift_um - 1e-3 * lean_urad * place[:, 1]
+    _write(folder, measurement("holes", u_um=2.0), _drilled(place[random.permutation(len(place))]))
+    np.savetxt(
+        folder / "holes.csv", np.column_stack([place, place + 1e-3 * away_um, order]),
+        delimiter=",", header="x,y,mx,my,order", comments="", fmt="%.3f,%.3f,%.4f,%.4f,%d",
+    )  # fmt: skip
+    _tell(folder, [["squareness C0Y"]], {"lean_urad": lean_urad})
 
 
 def _holes(random: np.random.Generator, radius: float) -> np.ndarray:

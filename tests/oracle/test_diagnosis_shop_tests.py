@@ -11,6 +11,7 @@ from tests.hidden_effects.shop_tests import (
     make_axis,
     make_ballbar,
     make_level,
+    make_measured_plate,
     make_plate,
 )
 
@@ -142,3 +143,23 @@ def test_what_remains_is_told_in_parts(tmp_path):
     assert list(parts.values()) == sorted(parts.values(), reverse=True)
     assert report["verdict"] not in ("partly", "unknown") or parts
     assert all(0.0 < size <= 1.5 * report["remains_um"] for size in parts.values())
+
+
+def _squareness(folder, seed, *, by_rows):
+    """Ends of its interval and what is true, urad; and whether a note says that drift is alike."""
+    make_measured_plate(folder, seed, by_rows=by_rows)
+    truth = json.loads((folder / "truth.json").read_text())
+    _, report = _said(folder)
+    (own,) = (e for e in report["effects"] if e["effect"] == "squareness")
+    is_told = any("squareness C0Y looks like a steady drift" in note for note in report["notes"])
+    return *own["interval_95"]["squareness_urad"], truth["lean_urad"], is_told
+
+
+@pytest.mark.parametrize("seed", [17203, 17204, 17205])
+def test_a_squareness_is_known_no_better_than_the_drift_that_looks_like_it(tmp_path, seed):
+    """Row by row a drift is a shear: no reading tells them apart. By chance it is none."""
+    low, high, true, is_told = _squareness(tmp_path / "rows", seed, by_rows=True)
+    assert low < true < high and is_told
+    surer = _squareness(tmp_path / "chance", seed, by_rows=False)
+    assert surer[1] - surer[0] < 0.75 * (high - low)
+    assert not surer[3]

@@ -17,7 +17,12 @@ from tests.small_job import measurement, pocket_points, write_job, write_points
 from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.errors import InputError
-from vmach.fit.noise.measuring_machine import clampings, drift_of_device, stated_of_device
+from vmach.fit.noise.measuring_machine import (
+    clampings,
+    drift_of_device,
+    stated_of_device,
+    steady_drifts_of_device,
+)
 from vmach.nominal.points import read_points_csv
 
 UM = 1e-3
@@ -97,6 +102,21 @@ def test_readings_stand_in_the_order_of_measuring(tmp_path):
     drift = drift_of_device(survey)
     variance = np.einsum("nk,nk->n", drift, drift)
     assert variance.min() > 0.8 and variance.max() < 1.0 + 1e-9  # of unit size, linear between
+
+
+def test_a_steady_drift_is_a_straight_line_in_the_order_of_measuring(tmp_path):
+    """Of unit variance along its axis, whatever the clock began with; none without a clock."""
+    count = len(pocket_points()[0])
+    seconds = np.random.default_rng(6).permutation(count)
+    survey = pocket_survey(tmp_path / "told", measured_s=1.7e9 + 3.0 * seconds)
+    drifts = steady_drifts_of_device(survey)
+    assert len(drifts) == 3
+    for axis, drift in enumerate(drifts.values()):
+        line = np.sqrt(3.0) * np.linspace(-1.0, 1.0, count)
+        np.testing.assert_allclose(drift[:, 0], line * survey.sensing[:, axis], atol=1e-6)
+    assert np.mean(line**2) == pytest.approx(1.0, rel=0.05)
+    untold = steady_drifts_of_device(pocket_survey(tmp_path / "untold"))
+    assert not any(drift.any() for drift in untold.values())
 
 
 def test_a_clock_may_count_from_1970(tmp_path):

@@ -16,6 +16,7 @@ from vmach.diagnosis.inference.remains import is_structure, rms_um
 from vmach.diagnosis.inference.rules import TRUST
 from vmach.diagnosis.inference.verdicts import Inference, Weak, infer
 from vmach.diagnosis.inference.weighing import Weighing
+from vmach.diagnosis.like_drift import like_drift
 from vmach.diagnosis.next_test.blind_spots import BlindSpot, blind_spots
 from vmach.diagnosis.next_test.next_measurement import NextMeasurement, next_measurement
 from vmach.diagnosis.parts_of_rest import of_device_mm, remains_by_um
@@ -140,6 +141,7 @@ def diagnose(
             *_doubtful_uncertainty(found),
             *_outliers(found),
             *_device(notable),
+            *like_drift(found),
             *_cancelling(found, residuals.rms_um),
             *not_followed(found, residuals, of_device),
         ),

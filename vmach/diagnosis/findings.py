@@ -15,6 +15,7 @@ from vmach.diagnosis.residuals.where_it_fails import Failure
 from vmach.diagnosis.rivals import Rivals, rivals_of
 from vmach.diagnosis.words import where_component
 from vmach.effects import Effect, catalogue, label_of
+from vmach.fit.other_sizes import beside_other_sizes
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["Finding", "findings_of", "something_unknown"]
@@ -105,13 +106,15 @@ def findings_of(found: Inference) -> tuple[Finding, ...]:
     fit, judged = found.fit, _as_judged(found)
     if fit is None or not found.supports:
         return ()
-    others = otherwise(found.among, found.told)
+    others, of_sizes = otherwise(found.among, found.told), beside_other_sizes(fit)
     by_clock = at_other_clocks(fit, found.weighing.plain_mm())
     sizes = sizes_um(found.among, found.told)[: len(found.supports)]
     total = found.remains_um**2 + sum(size**2 for size in sizes)
     return tuple(
         replace(
-            _finding(found, fitted_parameters(fit, k, [*others[k], *by_clock[k]]), k, judged),
+            _finding(
+                found, fitted_parameters(fit, k, of_sizes[k], [*others[k], *by_clock[k]]), k, judged
+            ),
             size_um=size,
             share=size**2 / total,
         )

@@ -39,12 +39,22 @@ def fitted_values(fit: JointFit, k: int) -> dict:
     return fit.parameters(k)
 
 
-def fitted_parameters(fit: JointFit, k: int, others: Sequence[Otherwise] = ()) -> FittedParameters:
-    """The parameters of term k of a fit, beside its effects and others that are possible."""
+def fitted_parameters(
+    fit: JointFit, k: int, sizes: Sequence[Otherwise], others: Sequence[Otherwise] = ()
+) -> FittedParameters:
+    """The parameters of term k of a fit.
+
+    Parameters
+    ----------
+    fit : JointFit
+    k : int
+    sizes, others : sequence of Otherwise
+        What it is beside members of other sizes, and beside other effects, that are possible.
+    """
     if fit.terms[k].effect.corrects_table:
         path = fit.posterior.base.survey.paths[0]
         return FittedParameters(*component_parameters(fit, k, path))
-    spreads = parameter_uncertainty(fit, k, others)
+    spreads = parameter_uncertainty(fit, k, others, sizes)
     return FittedParameters(
         values=fit.parameters(k),
         u={name: spread.u for name, spread in spreads.items()},

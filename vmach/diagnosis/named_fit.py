@@ -21,6 +21,7 @@ from vmach.diagnosis.proposals.forms import Forms
 from vmach.effects import Effect, catalogue, label_of
 from vmach.effects.catalogue import unknown_effect_hint
 from vmach.errors import InputError
+from vmach.fit.other_sizes import beside_other_sizes
 from vmach.fit.survey import Survey
 from vmach.fit.terms import JointFit
 
@@ -110,11 +111,11 @@ def _named_beside_forms(weighing: Weighing, found: Explanation) -> tuple[NamedEf
     told = weighing.explain(terms, grown.posterior.sizes, resize=len(terms) < len(grown.terms))
     fit = weighing.careful(told)
     assert fit is not None
-    by_clock = at_other_clocks(fit, plain_mm)
+    by_clock, of_sizes = at_other_clocks(fit, plain_mm), beside_other_sizes(fit)
     units: list[np.ndarray] = []
     named = []
     for k, support in enumerate(supports_of(weighing, told, count)):
-        fitted = fitted_parameters(fit, k, by_clock[k])
+        fitted = fitted_parameters(fit, k, of_sizes[k], by_clock[k])
         effect, unit = _named_effect(fitted, fit, k, is_called_for=support.is_shown)
         correlations = {
             named[i].label: before @ fit.cross_covariance(i, k) @ unit.T

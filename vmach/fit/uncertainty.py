@@ -7,6 +7,9 @@ amplitudes are at a node adds to their uncertainty and not to the node's weight,
 readings hardly see would gain by their freedom. The uncertainty is the root of the mean square
 distance from the value that is stated.
 
+The sizes of what stands beside the effects are no better known: what a term is beside others is
+averaged over (`vmach/fit/other_sizes.py`).
+
 Source: JCGM 101:2008, intervals from a distribution; closed form derived here: normal amplitudes
 at every node of the grid.
 """
@@ -85,7 +88,7 @@ class Otherwise:
 
 
 def parameter_uncertainty(
-    fit: JointFit, k: int, others: Sequence[Otherwise] = ()
+    fit: JointFit, k: int, others: Sequence[Otherwise] = (), sizes: Sequence[Otherwise] = ()
 ) -> dict[str, Spread]:
     """Uncertainty of every parameter of term k.
 
@@ -95,40 +98,43 @@ def parameter_uncertainty(
     k : int
     others : sequence of Otherwise
         What term k is beside other effects that are possible.
+    sizes : sequence of Otherwise
+        What it is beside members of other sizes, all that are possible.
     """
-    return _averaged(_beside_its_own(fit, k), fit, k, others)
+    over_sizes = _averaged(_beside_its_own(fit, k), fit, k, sizes, own=0.0)
+    return _averaged(over_sizes, fit, k, others, own=1.0)
 
 
 def _averaged(
-    spreads: dict[str, Spread], fit: JointFit, k: int, others: Sequence[Otherwise]
+    spreads: dict[str, Spread], fit: JointFit, k: int, others: Sequence[Otherwise], *, own: float
 ) -> dict[str, Spread]:
-    """Spreads over the fit's own set of effects and others, each a normal distribution.
+    """Spreads over what a fit is itself, with a weight of its own, and otherwise.
 
-    The standard uncertainty is no larger than the farther end of the interval says: else it would
-    be that of an improbable set far away.
+    Each is a normal distribution. No interval becomes narrower. The standard uncertainty is no
+    larger than the farther end of the interval says: else it would be that of an improbable set
+    far away.
     """
     if not others:
         return spreads
     slope, wide = fit.slope(k), float(ndtri(0.975))
-    bounds = {p.name: (p.low, p.high) for p in fit.terms[k].effect.inner_parameters}
-    weight = np.array([1.0, *(other.weight for other in others)])
+    weight = np.array([own, *(other.weight for other in others)])
     weight /= weight.sum()
-    found = {}
+    moved = np.array([np.zeros(len(slope)), *(other.moved for other in others)]) @ slope
+    more = np.stack([np.zeros((len(slope),) * 2), *(other.more for other in others)])
+    more_squared = np.einsum("ij,gik,kj->gj", slope, more, slope, optimize=True)
+    found, accepted = {}, {p.name: (p.low, p.high) for p in fit.terms[k].effect.parameters}
     for j, (name, value) in enumerate(fit.parameters(k).items()):
-        own, along = spreads[name], slope[:, j]
-        middle, sigma = 0.5 * (own.low + own.high) - value, 0.5 * (own.high - own.low) / wide
-        away = middle + np.array([0.0, *(along @ other.moved for other in others)])
-        more = np.array([0.0, *(along @ other.more @ along for other in others)])
-        spread = np.sqrt(np.maximum(sigma**2 + more, 0.0))
+        here = spreads[name]
+        middle, sigma = 0.5 * (here.low + here.high) - value, 0.5 * (here.high - here.low) / wide
+        away = middle + moved[:, j]
+        spread = np.sqrt(np.maximum(sigma**2 + more_squared[:, j], 0.0))
         low, high = _quantiles(weight, away, spread)
+        low, high = np.clip([value + low, value + high], *accepted[name]).tolist()
         # of its own set it is known better than as a normal distribution
-        low, high = value + min(low, own.low - value), value + max(high, own.high - value)
-        # along tangents an end may lie beyond what the catalogue allows
-        least, most = bounds.get(name, (-np.inf, np.inf))
-        low, high = max(low, min(own.low, least)), min(high, max(own.high, most))
-        u = float(np.sqrt(weight[0] * own.u**2 + weight[1:] @ (away**2 + spread**2)[1:]))
-        u = min(u, max(own.u, max(high - value, value - low) / wide))
-        found[name] = replace(own, u=u, low=low, high=high)
+        low, high = min(low, here.low), max(high, here.high)
+        u = float(np.sqrt(weight[0] * here.u**2 + weight[1:] @ (away**2 + spread**2)[1:]))
+        u = min(u, max(here.u, max(high - value, value - low) / wide))
+        found[name] = replace(here, u=u, low=low, high=high)
     return found
 
 

@@ -15,6 +15,7 @@ from scipy.linalg import block_diag
 from vmach.effects.wandering import wandering
 from vmach.fit.survey import Survey
 from vmach.job.inspection import Device
+from vmach.machine import LINEAR_AXES
 from vmach.measurements import Measurement
 
 __all__ = [
@@ -24,6 +25,7 @@ __all__ = [
     "clampings",
     "drift_of_device",
     "stated_of_device",
+    "steady_drifts_of_device",
     "warming_of_instruments",
 ]
 
@@ -81,6 +83,24 @@ def drift_of_device(survey: Survey) -> np.ndarray:
         waves = wandering(m.measured_at, span / _WAVES)
         blocks.append((m.sensing[:, :, None] * waves[:, None, :]).reshape(len(m), -1))
     return block_diag(*blocks)
+
+
+def steady_drifts_of_device(survey: Survey) -> dict[str, np.ndarray]:
+    """A drift at one speed along X, Y or Z while a part was measured, by name, (n, K) each.
+
+    Of unit variance. What drifts has a direction, so that each axis has a size of its own.
+    """
+    found = {}
+    for axis, name in enumerate(LINEAR_AXES):
+        blocks = []
+        for m in survey.measurements:
+            at = np.zeros(len(m)) if m.measured_at is None else m.measured_at
+            half = max(0.5 * float(np.ptp(at)), 1e-9)
+            # a straight line from -sqrt(3) to sqrt(3) has the variance of one
+            line = np.sqrt(3.0) * (at - 0.5 * (at.min() + at.max())) / half
+            blocks.append((m.sensing[:, axis] * line)[:, None])
+        found[f"steady {DRIFT} along {name}"] = block_diag(*blocks)
+    return found
 
 
 def warming_of_instruments(survey: Survey) -> np.ndarray:
