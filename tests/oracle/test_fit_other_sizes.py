@@ -1,16 +1,19 @@
-"""Intervals over the sizes of what stands beside an effect, against integrals by brute force."""
+"""Intervals over what stands beside an effect, against integrals by brute force."""
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 from scipy.stats import norm
 
+from tests.hidden_effects.shop_tests import make_plate
+from vmach.diagnosis.inference.prepare import prepare_weighing
+from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects import Effect, along, linear
 from vmach.fit import other_sizes
 from vmach.fit.base import Base
 from vmach.fit.joint_fit import fit_terms
 from vmach.fit.marginal_likelihood import Effects, Posterior, best_sizes
-from vmach.fit.noise.discrepancy import Members
+from vmach.fit.noise.discrepancy import Members, members_of
 from vmach.fit.noise.feature_noise import FeatureNoise
 from vmach.fit.sizes import Sizes
 from vmach.fit.terms import Term
@@ -56,7 +59,7 @@ class OneSeries:
         return [], np.zeros(0)
 
 
-def members(*shapes):
+def members_like(*shapes):
     """Members whose size of one makes one u."""
     columns = tuple(NOISE * shape[:, None] for shape in shapes)
     return Members(np.zeros((COUNT, 0)), tuple(f"member {k}" for k in range(len(shapes))), columns)
@@ -109,8 +112,8 @@ def test_a_size_is_integrated_over(monkeypatch, shape, hidden):
     """Where it is found to be absent too, and where the search had no such member."""
     random = np.random.default_rng(7)
     readings = 3.0 * RAMP + hidden * NOISE * shape + NOISE * random.standard_normal(COUNT)
-    searched = members() if shape is RAMP else members(shape)
-    found, factor = interval(monkeypatch, readings, searched, members(shape))
+    searched = members_like() if shape is RAMP else members_like(shape)
+    found, factor = interval(monkeypatch, readings, searched, members_like(shape))
     expected = integrated(readings, [shape], factor)
     np.testing.assert_allclose(found, expected, atol=0.04 * np.ptp(expected))
 
@@ -118,7 +121,7 @@ def test_a_size_is_integrated_over(monkeypatch, shape, hidden):
 def test_sizes_of_several_members_add_up(monkeypatch):
     random = np.random.default_rng(8)
     readings = 3.0 * RAMP + 0.3 * NOISE * OTHER + NOISE * random.standard_normal(COUNT)
-    both = members(BENT, OTHER)
+    both = members_like(BENT, OTHER)
     found, factor = interval(monkeypatch, readings, both, both)
     expected = integrated(readings, [BENT, OTHER], factor)
     np.testing.assert_allclose(found, expected, atol=0.06 * np.ptp(expected))
@@ -129,6 +132,23 @@ def test_what_is_surely_absent_leaves_an_interval_as_it_is(monkeypatch):
     random = np.random.default_rng(9)
     readings = 3.0 * RAMP + NOISE * random.standard_normal(COUNT)
     wave = np.cos(4.0 * np.pi * PLACE)
-    (low, high), factor = interval(monkeypatch, readings, members(), members(wave))
+    (low, high), factor = interval(monkeypatch, readings, members_like(), members_like(wave))
     u = factor * NOISE / np.linalg.norm(RAMP)
     assert high - low == pytest.approx(2.0 * 1.96 * u, rel=0.05)
+
+
+def test_a_smooth_field_does_half_along_plain_laws_of_what_it_did(tmp_path):
+    """Of its variance along stretches and shears of a plate: none, a quarter, all."""
+    make_plate(tmp_path / "plate", 17000)
+    survey = survey_job(tmp_path / "plate" / "job.toml")
+    (x, y), sensing = np.vstack([p.nose_mm for p in survey.paths])[:, :2].T, survey.sensing
+    strains = np.column_stack([sensing[:, 0] * x, sensing[:, 0] * y, sensing[:, 1] * y])
+    strains, _ = np.linalg.qr(strains - survey.aligned(strains))
+    searched = prepare_weighing(survey).members
+    variances = []
+    for members in (searched, other_sizes.open_members(survey, searched), members_of(survey)):
+        field = members.columns_mm[members.names.index("field")]
+        along = strains.T @ (field - survey.aligned(field))
+        variances.append(np.sum(along**2))
+    assert variances[0] < 1e-12 * variances[2]
+    assert variances[1] == pytest.approx(0.25 * variances[2], rel=1e-3)

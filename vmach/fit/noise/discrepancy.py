@@ -72,6 +72,8 @@ class Members:
         Of the members of unknown size.
     columns_mm : tuple of (n, k) float64
         Of each; a size of one makes about one median `u_um`.
+    plain_mm : (n, k) float64 or None
+        What plain laws do that the smooth field was made free of, where it was.
     every_mm : (n, q) float64
         Those of known size, and all others.
     """
@@ -79,6 +81,7 @@ class Members:
     fixed_mm: np.ndarray
     names: tuple[str, ...]
     columns_mm: tuple[np.ndarray, ...]
+    plain_mm: np.ndarray | None = None
     every_mm: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -96,7 +99,7 @@ class Members:
         return np.array([_NO_DRIFT if name == _TIME else np.inf for name in self.names])
 
 
-def members_of(survey: Survey, plain_mm: np.ndarray | None = None) -> Members:
+def members_of(survey: Survey, plain_mm: np.ndarray | None = None, *, kept: float = 0.0) -> Members:
     """All that may differ without being an effect.
 
     Parameters
@@ -106,6 +109,8 @@ def members_of(survey: Survey, plain_mm: np.ndarray | None = None) -> Members:
         What plain laws do that every machine has and nobody measured. The smooth field has none
         of it: a scale is by definition the linear part of a positioning error, a squareness that
         of two straightness errors (ISO 230-1), and a field is what lies beyond them.
+    kept : float
+        Share of that which the field has nevertheless.
 
     References
     ----------
@@ -118,7 +123,7 @@ def members_of(survey: Survey, plain_mm: np.ndarray | None = None) -> Members:
         _TIME: _told_apart(survey, unit * _in_time(survey)),
         "places": unit * _places(survey),
         "reversals": unit * _reversals(survey),
-        "field": _told_apart(survey, _beyond(survey, unit * _field(survey), plain_mm)),
+        "field": _told_apart(survey, _beyond(survey, unit * _field(survey), plain_mm, kept)),
         "bend": unit * _bend(survey),
         CLAMPINGS: unit * clampings(survey),
         DRIFT: _told_apart(survey, unit * drift_of_device(survey)),
@@ -126,8 +131,8 @@ def members_of(survey: Survey, plain_mm: np.ndarray | None = None) -> Members:
     }
     device = np.hstack([*stated_of_device(survey).values()])
     fixed = condensed(np.hstack([survey.factors, device]), survey.u_mm, least=_LEAST_VARIANCE)
-    kept = {name: c for name, c in found.items() if c.shape[1]}
-    return Members(fixed, tuple(kept), tuple(kept.values()))
+    there = {name: c for name, c in found.items() if c.shape[1]}
+    return Members(fixed, tuple(there), tuple(there.values()), plain_mm)
 
 
 def _offsets(survey: Survey) -> dict[str, np.ndarray]:
@@ -281,14 +286,16 @@ def _bend(survey: Survey) -> np.ndarray:
     return _seen(np.vstack(parts))
 
 
-def _beyond(survey: Survey, columns: np.ndarray, plain_mm: np.ndarray | None) -> np.ndarray:
-    """Columns (n, k) without what plain laws beside an alignment do as well, by least squares."""
+def _beyond(
+    survey: Survey, columns: np.ndarray, plain_mm: np.ndarray | None, kept: float
+) -> np.ndarray:
+    """Columns (n, k) with a share of what plain laws beside an alignment do, by least squares."""
     if plain_mm is None:
         return columns
     u = survey.u_mm[:, None]
     own = orthonormal((plain_mm - survey.aligned(plain_mm)) / u)
     beside = (columns - survey.aligned(columns)) / u
-    return columns - u * (own @ (own.T @ beside))
+    return columns - (1.0 - kept) * u * (own @ (own.T @ beside))
 
 
 def _told_apart(survey: Survey, columns: np.ndarray) -> np.ndarray:
