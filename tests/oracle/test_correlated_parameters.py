@@ -214,4 +214,5 @@ def test_a_form_that_holds_what_is_added_does_not_take_its_place(tmp_path):
         [0.03 * q[:, 0], 0 * time, 1e-4 * (q[:, 0] + 200.0) ** 2]))  # fmt: skip
     (found,) = fit_named(survey_job(job), ["scale:X"])
     assert found.parameters["scale_ppm"] == pytest.approx(30.0, abs=2.0)
-    assert found.u["scale_ppm"] < 1.0
+    # beside a sag of 4 um, of which nothing says that it has no slope
+    assert found.u["scale_ppm"] < 2.0
