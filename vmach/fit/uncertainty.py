@@ -110,9 +110,9 @@ def _averaged(
 ) -> dict[str, Spread]:
     """Spreads over what a fit is itself, with a weight of its own, and otherwise.
 
-    Each is a normal distribution. No interval becomes narrower. The standard uncertainty is no
-    larger than the farther end of the interval says: else it would be that of an improbable set
-    far away.
+    Each is a normal distribution. Neither interval nor uncertainty becomes narrower. The latter is
+    no larger than the farther end of the interval says: else it would be that of an improbable
+    set far away.
     """
     if not others:
         return spreads
@@ -133,7 +133,7 @@ def _averaged(
         # of its own set it is known better than as a normal distribution
         low, high = min(low, here.low), max(high, here.high)
         u = float(np.sqrt(weight[0] * here.u**2 + weight[1:] @ (away**2 + spread**2)[1:]))
-        u = min(u, max(here.u, max(high - value, value - low) / wide))
+        u = max(here.u, min(u, max(high - value, value - low) / wide))
         found[name] = replace(here, u=u, low=low, high=high)
     return found
 
