@@ -107,7 +107,7 @@ def findings_of(found: Inference) -> tuple[Finding, ...]:
     if fit is None or not found.supports:
         return ()
     others, of_sizes = otherwise(found.among, found.told), beside_other_sizes(fit)
-    by_clock = at_other_clocks(fit, found.weighing.plain_mm())
+    by_clock = at_other_clocks(fit)
     sizes = sizes_um(found.among, found.told)[: len(found.supports)]
     total = found.remains_um**2 + sum(size**2 for size in sizes)
     return tuple(

@@ -100,7 +100,7 @@ def _named_beside_forms(weighing: Weighing, found: Explanation) -> tuple[NamedEf
 
     A form that holds one of them, as a turn with its arms holds a scale, would take its place.
     """
-    forms, count, plain_mm = Forms(weighing, found), len(found.terms), weighing.plain_mm()
+    forms, count = Forms(weighing, found), len(found.terms)
     grown = forms.added(found)
     beside = [
         form for form in grown.terms[count:]
@@ -111,7 +111,7 @@ def _named_beside_forms(weighing: Weighing, found: Explanation) -> tuple[NamedEf
     told = weighing.explain(terms, grown.posterior.sizes, resize=len(terms) < len(grown.terms))
     fit = weighing.careful(told)
     assert fit is not None
-    by_clock, of_sizes = at_other_clocks(fit, plain_mm), beside_other_sizes(fit)
+    by_clock, of_sizes = at_other_clocks(fit), beside_other_sizes(fit)
     units: list[np.ndarray] = []
     named = []
     for k, support in enumerate(supports_of(weighing, told, count)):

@@ -28,31 +28,29 @@ from vmach.fit.uncertainty import Otherwise
 __all__ = ["at_other_clocks"]
 
 
-def at_other_clocks(fit: JointFit, plain_mm: np.ndarray) -> Sequence[Sequence[Otherwise]]:
+def at_other_clocks(fit: JointFit) -> Sequence[Sequence[Otherwise]]:
     """Of each term of a fit what it is by other clocks; nothing where all times were noted.
 
     Parameters
     ----------
     fit : JointFit
-    plain_mm : (n, k) float64
-        What plain laws do that every machine has, as `members_of` asks for it.
     """
     others = list(by_other_clocks(fit.posterior.base.survey))
     if not others:
         return [()] * len(fit.terms)
-    here, there = _fitted(fit, fit.posterior.base.survey, plain_mm), []
+    here, there = _fitted(fit, fit.posterior.base.survey), []
     for other in others:
-        by_it = _fitted(fit, other.survey, plain_mm)
+        by_it = _fitted(fit, other.survey)
         weight = other.weight * np.exp(min(_log_probability(by_it) - _log_probability(here), 0.0))
         there.append((float(weight), by_it))
     every = range(len(fit.terms))
     return [[_otherwise(weight, here, by_it, k) for weight, by_it in there] for k in every]
 
 
-def _fitted(fit: JointFit, survey: Survey, plain_mm: np.ndarray) -> JointFit:
+def _fitted(fit: JointFit, survey: Survey) -> JointFit:
     """The terms of a fit over a survey by another clock, beside members of the same sizes."""
     known = fit.posterior.base
-    base = Base(survey, known.noise, members_of(survey, plain_mm))
+    base = Base(survey, known.noise, members_of(survey, known.members.plain_mm))
     slack = base.columns(slack_of(survey, replace(fit, slack_mm=None)))
     sizes = _sizes(fit.posterior.sizes, known, base)
     return fit_terms(Posterior(base, sizes, Effects(slack)), fit.terms)

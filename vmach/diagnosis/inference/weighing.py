@@ -99,7 +99,7 @@ class Weighing:
         self.survey, self.candidates = survey, list(candidates)
         self.excluded = tuple(excluded)
         self._list()
-        self.members = members_of(survey, self.plain_mm())
+        self.members = members_of(survey, self._plain_mm())
         self._log_priors: dict[str, float] = {}
         self._take(noise or FeatureNoise(survey.u_mm, survey.group, np.ones(len(survey))))
 
@@ -109,7 +109,7 @@ class Weighing:
         every = self.candidates
         self._counted = {c.label for c in every if not self._is_usual(c.effect, c.target)}
 
-    def plain_mm(self) -> np.ndarray:
+    def _plain_mm(self) -> np.ndarray:
         """What laws of one amplitude do that every machine has and nobody measured, (n, k)."""
         every = [c for c in self.candidates if c.label not in self._counted]
         plain = [c.signatures_mm[:, 0] for c in every if c.signatures_mm.shape[1:] == (1, 1)]
