@@ -206,6 +206,12 @@ class Effect(ABC):
         """Inner values of a curve that has no slope over the places of readings, (P, 3) mm."""
         raise NotImplementedError
 
+    def moments_like(
+        self, path: Circumstances, target: str, inner_values: Mapping[str, float]
+    ) -> float:
+        """Of a sudden effect: the whole time over that of the pause that its moment lies in."""
+        return float(len(list(self.inner_grid(path, target))))
+
     # what a fit works with; an effect overrides these only where its amplitudes hide ----------
 
     @cached_property

@@ -262,6 +262,23 @@ class Survey:
         weight = np.array([weight for _, weight in pairs])
         return [values for values, _ in pairs], np.log(weight / weight.sum())
 
+    def moments_like(self, effect: Effect, target: str, inner_values: Mapping[str, float]) -> float:
+        """How often the pause that a sudden effect fell into goes into all of the time.
+
+        It may have happened at any moment: a pause is as likely as it is long.
+        """
+        key = effect.name, target, inner_values["time_s"]
+        if key not in self._pauses:
+            paths = self._paths_of(effect)
+            every = [effect.moments_like(path, target, inner_values) for path in paths]
+            self._pauses[key] = max(every, default=1.0)
+        return self._pauses[key]
+
+    @cached_property
+    def _pauses(self) -> dict[tuple[str, str, float], float]:
+        """What was asked of moments before."""
+        return {}
+
     def told_apart(self, effect: Effect, inner: Sequence[Mapping[str, float]]) -> np.ndarray:
         """Whether readings may tell each of G places from the one before, (G,) bool.
 

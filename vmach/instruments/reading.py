@@ -24,8 +24,6 @@ from vmach.measurements.measurement import Measurement
 from vmach.measurements.plausibility.alternatives import (
     Alternative,
     alternative_notes,
-    exchanged,
-    exchanged_tables,
     is_doubtful,
 )
 from vmach.measurements.plausibility.motion_check import check_times
@@ -37,6 +35,7 @@ from vmach.measurements.plausibility.reading_check import (
     repeat_notes,
     still_notes,
 )
+from vmach.measurements.plausibility.table_mistakes import exchanged_directions
 from vmach.measurements.plausibility.unit_check import check_unit
 from vmach.measurements.side_by_side import read_side_by_side
 from vmach.path.preparation import Preparation, prepare
@@ -80,8 +79,10 @@ def _alternatives(settings: Instrument, table: Columns, model: _Model) -> Iterat
             said = f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value:g}"
             question = f"is {key} = {getattr(settings, key)} in the job right?"
             yield Alternative(said, question, other.predicted_mm)
-    for axes, machine in exchanged_tables(model.job.machine):
-        yield exchanged(axes, read_by_clock(settings, table, model.of(machine)).predicted_mm)
+    # a single test shows too little of the machine to tell more than this of its tables
+    for mistake in exchanged_directions(model.job.machine):
+        other = read_by_clock(settings, table, model.of(mistake.machine))
+        yield Alternative(mistake.what, mistake.question, other.predicted_mm)
 
 
 class _Model:

@@ -27,8 +27,6 @@ __all__ = ["chosen_by_all", "chosen_by_one", "over", "over_own_contacts"]
 
 #: what other contacts change of the readings, in stated uncertainties, before they matter
 _NOTABLE = 0.25
-#: difference of log probability below which contacts explain readings alike: of rounding; chosen
-_ALIKE = 0.01
 
 
 def over_own_contacts(weighing: Weighing, found: Explanation) -> tuple[Weighing, Explanation]:
@@ -67,8 +65,8 @@ def chosen_by_all(weighing: Weighing, found: Explanation) -> Survey | None:
     # what was worked out of many readings takes much memory
     weighing.forget()
     other = Weighing(moved, weighing.candidates, noise=weighing.base.noise)
-    gain = other.explain(found.terms, found.posterior.sizes).score - found.score
-    return moved if gain > (-_ALIKE if steps else 0.0) else None
+    is_better = other.explain(found.terms, found.posterior.sizes).score > found.score
+    return moved if is_better else None
 
 
 def chosen_by_one(weighing: Weighing) -> tuple[str, Survey] | None:

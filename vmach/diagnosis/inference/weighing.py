@@ -340,7 +340,9 @@ class Weighing:
         total = self._log_prior_of_count(self._count(fit.terms))
         for k, term in enumerate(fit.terms):
             candidate = self.candidates[self.index_of(term.label)]
-            looked_at = 1 if term.free_inner else len(candidate.grid)
+            looked_at = 1.0 if term.free_inner else len(candidate.grid)
+            if term.effect.is_sudden:
+                looked_at = self.survey.moments_like(term.effect, term.target, term.inner)
             total += self.log_prior(candidate) - np.log(looked_at * len(WIDTHS))
             total -= 0.5 * float(np.sum(term.unusual**2)) + pull_of_prior(fit, k)
         return total

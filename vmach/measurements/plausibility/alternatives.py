@@ -9,17 +9,16 @@ are compared.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
 from vmach.base.note import Kind, Note
 from vmach.base.units import um_from_mm
-from vmach.machine import LINEAR_AXES, Machine
 from vmach.measurements.measurement import Measurement
 
-__all__ = ["Alternative", "alternative_notes", "exchanged", "exchanged_tables", "is_doubtful"]
+__all__ = ["Alternative", "alternative_notes", "is_doubtful"]
 
 #: readings further away than so many standard uncertainties are worth a question
 _CLEAR_U = 2.0
@@ -31,6 +30,13 @@ _CLOSE_U, _FAR_BETTER = 4.0, 5.0
 #: and so many times better once displacements that grow in proportion with the place are taken
 #: off: a scale or a squareness may bring readings of one axis near the tables of another
 _BETTER_BENT = 2.0
+#: what brings readings within so many standard uncertainties leaves nothing to an effect; it has to
+#: be so many times better than a scale and a squareness would be; chosen: of readings that scatter
+#: alike the logarithm of this is 1/6 each
+_WITHIN_U, _BETTER_THAN_BENT = 1.25, 1.2
+#: of those that bring readings as near as that, times the nearest, the first is asked about: that
+#: of the readings themselves; chosen: one of a hundred readings tells no closer
+_ALIKE = 1.05
 #: readings beyond the number of what is free, below which nothing can be said
 _FEWEST_LEFT = 12
 
@@ -78,24 +84,37 @@ def alternative_notes(test: Measurement, others: Iterable[Alternative]) -> tuple
     """
     if not is_doubtful(test):
         return ()
-    plain, bent = _apart_mm(test, test.predicted_mm)
-    close = _CLOSE_U * float(np.median(test.u_mm))
+    here, u_mm = _apart_mm(test, test.predicted_mm), float(np.median(test.u_mm))
+    plain, _ = here
     found = []
     for other in (_other_sign(test), *others):
-        apart, apart_bent = _apart_mm(test, other.predicted_mm)
-        if apart > close and plain < _FAR_BETTER * apart:
-            continue
-        if plain >= _BETTER * apart and bent >= _BETTER_BENT * apart_bent:
-            found.append((apart, other))
+        there = _apart_mm(test, other.predicted_mm)
+        if _is_far_better(here, there, u_mm) or _explains_all(here, there, u_mm):
+            found.append((there[0], other))
     if not found:
         return ()
-    apart, best = min(found, key=lambda pair: pair[0])
+    alike = _ALIKE * min(apart for apart, _ in found)
+    apart, best = next(pair for pair in found if pair[0] <= alike)
     said = (
         f"with {best.what} the readings would agree with the model within {um_from_mm(apart):.2f} "
         f"um instead of {um_from_mm(plain):.2f} um (rms): {best.question}"
     )
     size_um = float(um_from_mm(plain))
     return (Note.question(Kind.EXCHANGED, said, size_um, "um", place=best.what, file=test.name),)
+
+
+def _is_far_better(here: tuple[float, float], there: tuple[float, float], u_mm: float) -> bool:
+    """Whether readings are far closer there, also once what is even is taken off of both."""
+    (plain, bent), (apart, apart_bent) = here, there
+    is_close = apart <= _CLOSE_U * u_mm or plain >= _FAR_BETTER * apart
+    return is_close and plain >= _BETTER * apart and bent >= _BETTER_BENT * apart_bent
+
+
+def _explains_all(here: tuple[float, float], there: tuple[float, float], u_mm: float) -> bool:
+    """Whether nothing is left to explain there, and something here even without what is even."""
+    (plain, bent), (apart, _) = here, there
+    is_all = apart <= _WITHIN_U * u_mm
+    return is_all and plain >= _BETTER * apart and bent >= _BETTER_THAN_BENT * apart
 
 
 def _other_sign(test: Measurement) -> Alternative:
@@ -112,34 +131,3 @@ def _apart_mm(test: Measurement, predicted_mm: np.ndarray) -> tuple[float, float
     left = residual - free @ np.linalg.lstsq(free, residual, rcond=None)[0]
     degrees = max(len(test) - int(np.linalg.matrix_rank(free)), 1)
     return test.variation_mm(residual), float(np.sqrt(left @ left / degrees))
-
-
-def exchanged_tables(machine: Machine) -> Iterator[tuple[str, Machine]]:
-    """The machine with forward and backward exchanged in the tables of one axis, or of all.
-
-    None where the mean of both acts.
-    """
-    if not machine.separate_directions:
-        return
-    for axes in (*LINEAR_AXES, LINEAR_AXES):
-        yield " and ".join(axes), _exchanged(machine, axes)
-
-
-def exchanged(axes: str, predicted_mm: np.ndarray) -> Alternative:
-    """What the model says with such tables, (P,) mm."""
-    return Alternative(
-        f"forward and backward of {axes} exchanged",
-        "is approach the sign of the last motion, and are the columns of the error tables in "
-        "their order?",
-        predicted_mm,
-    )
-
-
-def _exchanged(machine: Machine, axes: Sequence[str]) -> Machine:
-    components = {
-        name: replace(table, forward=table.backward, backward=table.forward)
-        if name[-1] in axes
-        else table
-        for name, table in machine.components.items()
-    }
-    return replace(machine, components=components)

@@ -16,7 +16,8 @@ from gcode import WORK_OFFSETS
 from vmach.errors import InputError
 from vmach.machine import LINEAR_AXES, Machine, Variant, displacement
 from vmach.measurements.measurement import Measurement
-from vmach.measurements.plausibility.alternatives import Alternative, exchanged, exchanged_tables
+from vmach.measurements.plausibility.alternatives import Alternative
+from vmach.measurements.plausibility.table_mistakes import mistaken_tables
 from vmach.path.preparation import Preparation
 from vmach.plausibility import lengths_meant_mm
 
@@ -66,5 +67,14 @@ def part_alternatives(part: Measurement, preparation: Preparation) -> Iterator[A
             shift[own, k] = -2.0 * zero_mm[k]
             question = f"is the sign of {name} right in {axis}?"
             yield from elsewhere(f"{name} at {axis}{-zero_mm[k]:g}", question, shift, still)
-    for axes, machine in exchanged_tables(job.machine):
-        yield exchanged(axes, here_mm + errors_mm(machine, nose_mm, tool_mm))
+    for mistake in mistaken_tables(job.machine):
+        with suppress(InputError):  # a table of a shorter axis
+            moved_mm = errors_mm(mistake.machine, nose_mm, tool_mm)
+            yield Alternative(mistake.what, mistake.question, here_mm + moved_mm)
+    if part.variation_mm(here_mm) > float(np.median(part.u_mm)):
+        # the nominal points do not lie where the program cuts: what was read may
+        yield Alternative(
+            "the nominal and the measured places exchanged",
+            "are x, y, z the nominal places, and mx, my, mz those that were measured?",
+            here_mm - part.predicted_mm,
+        )

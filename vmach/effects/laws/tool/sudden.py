@@ -62,6 +62,12 @@ class Sudden(Effect):
             for where, share in _WITHIN
         ]
 
+    def moments_like(self, path, target, inner_values):
+        """How often the pause around the moment goes into all of them."""
+        time = np.unique(path.time_s[self.sees(path, target)])
+        last = np.clip(np.searchsorted(time, inner_values["time_s"]), 1, len(time) - 1)
+        return float((time[-1] - time[0]) / (time[last] - time[last - 1]))
+
     def _pauses(self, path, target) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Middle and length of every pause between points, and the indices of the longest."""
         time = np.unique(path.time_s[self.sees(path, target)])
