@@ -78,3 +78,13 @@ def test_a_moment_is_as_uncertain_as_its_pause_is_long(path):
     spread = np.sqrt(weight @ (time[inside] - mean) ** 2)
     assert spread == pytest.approx((level[pause + 1] - level[pause]) / np.sqrt(12.0))
     assert time[inside][np.argmax(weight)] == pytest.approx(here)
+
+
+def test_a_moment_is_as_likely_as_its_pause_is_long(path):
+    """Of all pauses the shares add up to one."""
+    effect, target = catalogue()["tool_slip"], f"T{int(path.tool[-1])}"
+    level = np.unique(path.time_s[effect.sees(path, target)])
+    inside = 0.5 * (level[1:] + level[:-1])
+    likes = np.array([effect.moments_like(path, target, {"time_s": t}) for t in inside])
+    np.testing.assert_allclose(1.0 / likes, np.diff(level) / np.ptp(level))
+    assert np.sum(1.0 / likes) == pytest.approx(1.0)

@@ -25,6 +25,7 @@ from vmach.measurements.plausibility.alternatives import (
     Alternative,
     alternative_notes,
     is_doubtful,
+    other_sign,
 )
 from vmach.measurements.plausibility.motion_check import check_times
 from vmach.measurements.plausibility.reading_check import (
@@ -65,7 +66,7 @@ def read_instruments(job: Job, *, effects: Sequence[ActingEffect] = ()) -> tuple
         test = test.noted(*in_file((*noticed, *_twice(test, found), *_length(settings)), path))
         if is_doubtful(test):
             others = _alternatives(settings, table, model)
-            test = test.noted(*alternative_notes(test, others))
+            test = test.noted(*alternative_notes(test, (*others, other_sign(test))))
         found.append(test)
     return tuple(found)
 

@@ -4,6 +4,9 @@ A search leaves to an effect whatever does the same: else a field or a drift of 
 its place. How large the effect is, is known no better than what is like it. So the smooth field
 has a share of what plain laws do again, and the measuring machine may drift at one speed: row by
 row of a plate that is a squareness, or a scale.
+
+Source: M. Plumlee, J. Am. Stat. Assoc. 112 (2017) 1274, what is flexible made orthogonal to what
+is plain, of which a share is kept here.
 """
 
 from __future__ import annotations

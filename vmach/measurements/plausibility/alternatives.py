@@ -18,7 +18,7 @@ from vmach.base.note import Kind, Note
 from vmach.base.units import um_from_mm
 from vmach.measurements.measurement import Measurement
 
-__all__ = ["Alternative", "alternative_notes", "is_doubtful"]
+__all__ = ["Alternative", "alternative_notes", "is_doubtful", "other_sign"]
 
 #: readings further away than so many standard uncertainties are worth a question
 _CLEAR_U = 2.0
@@ -34,9 +34,8 @@ _BETTER_BENT = 2.0
 #: be so many times better than a scale and a squareness would be; chosen: of readings that scatter
 #: alike the logarithm of this is 1/6 each
 _WITHIN_U, _BETTER_THAN_BENT = 1.25, 1.2
-#: of those that bring readings as near as that, times the nearest, the first is asked about: that
-#: of the readings themselves; chosen: one of a hundred readings tells no closer
-_ALIKE = 1.05
+#: so many times the nearest is as near: some mistakes do the same to all readings, up to rounding
+_ALIKE = 1.001
 #: readings beyond the number of what is free, below which nothing can be said
 _FEWEST_LEFT = 12
 
@@ -60,6 +59,12 @@ class Alternative:
     predicted_mm: np.ndarray
 
 
+def other_sign(test: Measurement) -> Alternative:
+    """The readings with their sign turned round."""
+    meaning = f"{test.instrument.sign_meaning}, and the error tables use the same sign"
+    return Alternative("the other sign", meaning, -test.predicted_mm)
+
+
 def is_doubtful(test: Measurement) -> bool:
     """Whether readings are further from the model than their uncertainty says."""
     if test.degrees < _FEWEST_LEFT:
@@ -75,7 +80,7 @@ def alternative_notes(test: Measurement, others: Iterable[Alternative]) -> tuple
     ----------
     test : Measurement
     others : iterable of Alternative
-        What may be wrong beside the sign of the readings.
+        What may be wrong. Of those that explain the readings alike the first is asked about.
 
     Returns
     -------
@@ -87,7 +92,7 @@ def alternative_notes(test: Measurement, others: Iterable[Alternative]) -> tuple
     here, u_mm = _apart_mm(test, test.predicted_mm), float(np.median(test.u_mm))
     plain, _ = here
     found = []
-    for other in (_other_sign(test), *others):
+    for other in others:
         there = _apart_mm(test, other.predicted_mm)
         if _is_far_better(here, there, u_mm) or _explains_all(here, there, u_mm):
             found.append((there[0], other))
@@ -115,11 +120,6 @@ def _explains_all(here: tuple[float, float], there: tuple[float, float], u_mm: f
     (plain, bent), (apart, _) = here, there
     is_all = apart <= _WITHIN_U * u_mm
     return is_all and plain >= _BETTER * apart and bent >= _BETTER_THAN_BENT * apart
-
-
-def _other_sign(test: Measurement) -> Alternative:
-    meaning = f"{test.instrument.sign_meaning}, and the error tables use the same sign"
-    return Alternative("the other sign", meaning, -test.predicted_mm)
 
 
 def _apart_mm(test: Measurement, predicted_mm: np.ndarray) -> tuple[float, float]:

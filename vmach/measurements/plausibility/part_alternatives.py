@@ -16,8 +16,8 @@ from gcode import WORK_OFFSETS
 from vmach.errors import InputError
 from vmach.machine import LINEAR_AXES, Machine, Variant, displacement
 from vmach.measurements.measurement import Measurement
-from vmach.measurements.plausibility.alternatives import Alternative
-from vmach.measurements.plausibility.table_mistakes import mistaken_tables
+from vmach.measurements.plausibility.alternatives import Alternative, other_sign
+from vmach.measurements.plausibility.table_mistakes import exchanged_directions, mistaken_tables
 from vmach.path.preparation import Preparation
 from vmach.plausibility import lengths_meant_mm
 
@@ -67,6 +67,10 @@ def part_alternatives(part: Measurement, preparation: Preparation) -> Iterator[A
             shift[own, k] = -2.0 * zero_mm[k]
             question = f"is the sign of {name} right in {axis}?"
             yield from elsewhere(f"{name} at {axis}{-zero_mm[k]:g}", question, shift, still)
+    for mistake in exchanged_directions(job.machine):
+        moved_mm = errors_mm(mistake.machine, nose_mm, tool_mm)
+        yield Alternative(mistake.what, mistake.question, here_mm + moved_mm)
+    yield other_sign(part)
     for mistake in mistaken_tables(job.machine):
         with suppress(InputError):  # a table of a shorter axis
             moved_mm = errors_mm(mistake.machine, nose_mm, tool_mm)

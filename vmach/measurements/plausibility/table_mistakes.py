@@ -41,9 +41,8 @@ class TableMistake:
 def mistaken_tables(machine: Machine) -> Iterator[TableMistake]:
     """The machine with its tables as they would be if a mistake had been made, one at a time.
 
-    Signs are left out: `vmach.effects.laws.geometry.error_tables` weighs them.
+    Beside exchanged directions, and signs, which `vmach.effects.laws.geometry.error_tables` weighs.
     """
-    yield from exchanged_directions(machine)
     yield from _ends(machine)
     yield from _names(machine)
     yield from _units(machine)
