@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from vmach.base.note import note_records
+from vmach.base.note import Kind, note_records
 from vmach.diagnosis.diagnose import Diagnosis
 from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.inference.verdicts import Weak
@@ -146,7 +146,9 @@ def _rounded(value: Any) -> Any:
 def as_text(found: Diagnosis, *, program: str | None = None) -> str:
     """The diagnosis for people."""
     rms = found.rms_um
-    lines = [_verdict_line(found)]
+    # a file that says something else than is true comes before anything that the machine lacks
+    first = [note for note in found.notes if note.kind is Kind.EXCHANGED]
+    lines = [*(f"Look at the files first: {note}" for note in first), _verdict_line(found)]
     for finding in found.findings:
         lines += _finding_lines(finding, is_told_apart=found.next_measurement is not None)
     if found.verdict in ("partly", "unknown"):
@@ -188,7 +190,7 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
         lines.append(f"Measure next: {found.next_measurement.text}")
         if program:
             lines.append(f"  program: {program}")
-    lines += [f"note: {note}" for note in found.notes]
+    lines += [f"note: {note}" for note in found.notes if note not in first]
     return "\n".join(lines)
 
 
