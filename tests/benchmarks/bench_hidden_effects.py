@@ -50,7 +50,10 @@ COLUMNS = (
     "foretold", "seconds", "named", "true", "hidden_count", "forms", "states", "misfit_left",
 )  # fmt: skip
 #: pairs that act through the same thing: no data of this kind shows both
-_SAME = ({"tool_radius", "runout"}, {"missing_table", "reflector"})
+_SAME = (
+    {"tool_radius", "runout"}, {"missing_table", "reflector"},
+    {"compensated_tables", "reversed_table"}, {"compensated_tables", "reflector"},
+)  # fmt: skip
 PAIRS, TRIPLES = (
     [p for p in combinations(SINGLE_KINDS, n) if not any(same <= set(p) for same in _SAME)]
     for n in (2, 3)
