@@ -15,6 +15,7 @@ import numpy as np
 from gcode import WORK_OFFSETS, MoveKind, Moves
 from vmach.job import Job
 from vmach.machine import RigidDisplacement, Variant
+from vmach.machine.displacement import contributions
 from vmach.path.blank_depth import blank_depth_mm
 from vmach.path.dynamics import corner_before, curvature_per_mm
 from vmach.path.engagement import Engagement, engagement
@@ -326,6 +327,14 @@ class Circumstances:
     @cached_property
     def _levers(self) -> dict[str, RigidDisplacement]:
         return levers(self.job.machine, self.nose_mm, self.tool_mm, self.variant)
+
+    @cached_property
+    def of_each_error(self) -> dict[str, RigidDisplacement]:
+        """Displacement of the tool by each error of the machine file, by its ISO 230-1 symbol."""
+        machine = self.job.machine
+        direction = self.states.direction if machine.separate_directions else None
+        own = contributions(machine, self.nose_mm, self.tool_mm, self.variant, direction=direction)
+        return dict(own)
 
     @cached_property
     def axis_tilt_rad(self) -> np.ndarray:

@@ -18,7 +18,7 @@ from vmach.base.note import Kind, Note
 from vmach.base.units import um_from_mm
 from vmach.measurements.measurement import Measurement
 
-__all__ = ["Alternative", "alternative_notes", "is_doubtful", "other_sign"]
+__all__ = ["Alternative", "Mistake", "alternative_notes", "is_doubtful", "other_sign"]
 
 #: readings further away than so many standard uncertainties are worth a question
 _CLEAR_U = 2.0
@@ -41,8 +41,8 @@ _FEWEST_LEFT = 12
 
 
 @dataclass(frozen=True)
-class Alternative:
-    """What the model would predict if one thing in the files were different.
+class Mistake:
+    """What may be wrong in the files.
 
     Attributes
     ----------
@@ -50,12 +50,22 @@ class Alternative:
         The thing put right, after "with".
     question : str
         What the user should look at.
-    predicted_mm : (P,) float64
-        Of the readings.
     """
 
     what: str
     question: str
+
+
+@dataclass(frozen=True)
+class Alternative(Mistake):
+    """What the model would predict if one thing in the files were different.
+
+    Attributes
+    ----------
+    predicted_mm : (P,) float64
+        Of the readings.
+    """
+
     predicted_mm: np.ndarray
 
 

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from vmach.machine import LINEAR_AXES, ComponentError, Machine
+from vmach.measurements.plausibility.alternatives import Mistake
 
 __all__ = ["TableMistake", "exchanged_directions", "mistaken_tables"]
 
@@ -20,21 +21,15 @@ _ARCSECOND = 1e6 * math.pi / 648_000.0
 
 
 @dataclass(frozen=True)
-class TableMistake:
-    """What may have gone wrong.
+class TableMistake(Mistake):
+    """What may have gone wrong with the error tables.
 
     Attributes
     ----------
-    what : str
-        The thing put right, after "with".
-    question : str
-        What the user should look at.
     machine : Machine
         As it is where that is so.
     """
 
-    what: str
-    question: str
     machine: Machine
 
 

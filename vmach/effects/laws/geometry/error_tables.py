@@ -3,7 +3,6 @@
 from vmach.effects.effect import Effect
 from vmach.effects.parameter import linear
 from vmach.machine import COMPONENT_NAMES, RigidDisplacement
-from vmach.machine.displacement import contributions
 
 __all__ = ["ErrorTables"]
 
@@ -36,12 +35,8 @@ class ErrorTables(Effect):
 
     def displacement(self, path, target, share):
         machine = path.job.machine
-        direction = path.states.direction if machine.separate_directions else None
         total = RigidDisplacement.zero(len(path))
-        parts = contributions(
-            machine, path.nose_mm, path.tool_mm, path.variant, direction=direction
-        )
-        for name, own in parts:
+        for name, own in path.of_each_error.items():
             if target in ("all", name) or (target == "tables" and name in machine.components):
                 total = total + own
         return RigidDisplacement(share * total.shift_mm, share * total.tilt_rad)
