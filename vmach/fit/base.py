@@ -21,7 +21,6 @@ from vmach.errors import InputError
 from vmach.fit.columns import Columns
 from vmach.fit.noise.discrepancy import Members
 from vmach.fit.noise.feature_noise import FeatureNoise
-from vmach.fit.noise.means import Means
 from vmach.fit.places import Inner, Places, Step, steps_along
 from vmach.fit.remembered import Remembered
 from vmach.fit.sizes import Sizes
@@ -47,12 +46,10 @@ _LARGE = 50
 class Base:
     """Readings of a survey in the units of one feature noise, nuisance projected out.
 
-    Beside means of readings there are as many rows as means.
-
     Parameters
     ----------
     survey : Survey
-    noise : FeatureNoise or Means
+    noise : FeatureNoise
     members : Members
 
     Attributes
@@ -71,7 +68,7 @@ class Base:
     def __init__(
         self,
         survey: Survey,
-        noise: FeatureNoise | Means,
+        noise: FeatureNoise,
         members: Members,
     ) -> None:
         self.survey, self.noise, self.members = survey, noise, members
@@ -112,7 +109,7 @@ class Base:
 
     def back(self, white: np.ndarray) -> np.ndarray:
         """Columns (r, k) by the transpose of the map that makes columns in mm white."""
-        return white if isinstance(self.noise, Means) else self.noise.back(white)
+        return self.noise.back(white)
 
     def columns(self, columns_mm: np.ndarray) -> Columns:
         """Columns (n, K) mm with their products."""

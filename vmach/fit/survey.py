@@ -7,6 +7,7 @@ offsets are projected out.
 from __future__ import annotations
 
 import itertools
+import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -30,6 +31,8 @@ __all__ = ["Survey"]
 
 #: share of u² that a direction of what a law leaves open has at least
 _LEAST = 1e-3
+#: of what is chosen at random among readings
+_SEED = 0
 
 
 @dataclass(frozen=True)
@@ -63,6 +66,12 @@ class Survey:
             path if m.contacts is None else Circumstances(m.seen_states, self.job)
             for path, m in zip(self.paths, self.measurements, strict=True)
         )
+
+    def thinned(self, most: int) -> Survey:
+        """The same with at most so many readings of each measurement; itself where there are."""
+        measurements = tuple(_thinned(m, most) for m in self.measurements)
+        is_same = all(map(operator.is_, measurements, self.measurements))
+        return self if is_same else replace(self, measurements=measurements)
 
     def made_beside(self, others: Sequence[ActingEffect]) -> Survey:
         """The same readings, of the surface that is left while further effects act."""
@@ -299,6 +308,17 @@ class Survey:
         """Of the measurements that could show an effect."""
         pairs = zip(self.seen_paths, self.measurements, strict=True)
         return [path for path, m in pairs if _can_show(m, effect)]
+
+
+def _thinned(measurement: Measurement, most: int) -> Measurement:
+    """One reading of each stretch of a feature, at random: neighbours may take turns."""
+    many = -(-len(measurement) // most)
+    if many == 1:
+        return measurement
+    stretches = np.arange(0, len(measurement), many)
+    chosen = stretches + np.random.default_rng(_SEED).integers(many, size=len(stretches))
+    order = np.argsort(measurement.group, kind="stable")
+    return measurement.keep(np.sort(order[chosen[chosen < len(order)]]))
 
 
 def _columns(

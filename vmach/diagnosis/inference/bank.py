@@ -18,7 +18,6 @@ from vmach.fit.candidates import Candidate
 from vmach.fit.columns import Columns
 from vmach.fit.evidence import Evidence, evidence_at_places
 from vmach.fit.marginal_likelihood import Posterior
-from vmach.fit.noise.means import Means
 from vmach.fit.remembered import Remembered
 
 __all__ = ["Bank"]
@@ -94,15 +93,12 @@ class _Group:
         self._terms = terms
         self.are_curves = all(c.is_curve for c in candidates)
         raw = [candidate.rows_mm for candidate in candidates]
-        parts, means = [], []
+        parts = []
         wide = len(base.survey)
         for some in _at_once(raw, terms * max(_ROOM // (terms * wide), 1)):
             rows = base.white(some.T).T
-            if isinstance(base.noise, Means):
-                means.append(rows.astype(np.float32))
             parts.append((rows @ base.z, rows @ base.y, _products(self._by_place(rows))))
-        # means are few: they are kept white
-        self._rows = means or list(_at_once(raw, max(_CACHED // wide, 1)))
+        self._rows = list(_at_once(raw, max(_CACHED // wide, 1)))
         if sum(rows.size for rows in self._rows) < _KEPT_WIDE:
             self._rows = [np.concatenate(self._rows).astype(np.float64)]
         self._with_members, self._seen, self._gram = map(np.concatenate, zip(*parts, strict=True))

@@ -131,7 +131,7 @@ def _is_possible(tried: Explanation) -> bool:
 
 def _more(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     """One effect more of many: what has an impossible size hides most of what is missing."""
-    gains = weighing.gains(here, roughly=True)
+    gains = weighing.gains(here)
     for k in _ranked(weighing, gains, here.labels)[:_MORE]:
         yield weighing.extend(here, k)
 
@@ -154,7 +154,7 @@ def _added(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
 def _added_of_many(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     """One effect more, of many: what the others then leave open may make up for what it costs."""
     for start in _starts(here):
-        ranked = _ranked(weighing, weighing.gains(start, roughly=True), here.labels)[:_MANY]
+        ranked = _ranked(weighing, weighing.gains(start), here.labels)[:_MANY]
         plain = {k: weighing.extend(start, k, refine=False, resize=False).score for k in ranked}
         for k in sorted(ranked, key=lambda k: -round(plain[k], _TIE))[:_TRIED]:
             if plain[k] > start.score + _HOPELESS:
@@ -207,7 +207,7 @@ def _elsewhere(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
         others = weighing.without(here, sorted((gone, kept)), resize=False)
         k = weighing.index_of(here.terms[kept].label)
         as_it_is = weighing.without(here, [gone], resize=False).score
-        if others.score + weighing.gains(others, roughly=True)[k] < as_it_is + CLEARLY:
+        if others.score + weighing.gains(others)[k] < as_it_is + CLEARLY:
             continue
         afresh = weighing.extend(others, k, resize=False)
         for child in (afresh, *_filled_up(weighing, afresh, here.labels, 1, least)):
@@ -267,13 +267,13 @@ def _splits(weighing: Weighing, here: Explanation) -> Iterator[tuple[float, Expl
     """Two effects in place of one: about which score, with the first of them, and the second."""
     for k in range(len(here.terms)):
         others = weighing.without(here, [k], resize=False)
-        gains = weighing.gains(others, roughly=True)
+        gains = weighing.gains(others)
         worth = _SHARE * (here.score - others.score) - _NEAR
         for i in _unlike(weighing, others, _ranked(weighing, gains, here.labels), 2 * _TRIED):
             if gains[i] < worth:
                 break
             one = weighing.extend(others, i, refine=False, resize=False)
-            further = weighing.gains(one, roughly=True)
+            further = weighing.gains(one)
             # what was there may be another of the two, elsewhere than where it stood for both
             ranked = _ranked(weighing, further, others.labels | one.labels)
             for j in _unlike(weighing, one, ranked, _TRIED):
@@ -329,7 +329,7 @@ def _leading(
     weighing: Weighing, here: Explanation, but: AbstractSet[str], worth: float = _HOPELESS
 ) -> Iterator[int]:
     """Candidates that are worth a fit beside an explanation."""
-    gains, least = weighing.gains(here, roughly=True), max(worth, _HOPELESS)
+    gains, least = weighing.gains(here), max(worth, _HOPELESS)
     return (k for k in _ranked(weighing, gains, but)[:_TRIED] if gains[k] > least)
 
 

@@ -118,7 +118,7 @@ def _gain(weighing: Weighing, candidate: Candidate, sizes: Sizes, moved: Survey)
     own = candidate_of(moved, candidate.effect, candidate.target)
     if own is None:
         return 0.0
-    here = weighing.looked_over_on
+    here = weighing.base
     there = Base(moved, here.noise, weighing.members)
     without, beside = _without_and_with(here, candidate, sizes)
     return _without_and_with(there, own, sizes)[1] - max(without, beside)

@@ -9,7 +9,13 @@ from functools import cached_property
 
 from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.by_definition import as_defined
-from vmach.diagnosis.inference.moves import search, search_beyond, search_possible, without_needless
+from vmach.diagnosis.inference.moves import (
+    search,
+    search_beyond,
+    search_exchanging,
+    search_possible,
+    without_needless,
+)
 from vmach.diagnosis.inference.noise import beside_own_noise, noise_before
 from vmach.diagnosis.inference.own_contacts import (
     chosen_by_all,
@@ -33,6 +39,8 @@ __all__ = ["Inference", "Reason", "Weak", "beside_forms", "infer", "judged", "se
 
 #: times that contacts and the noise of single readings are estimated anew
 _PASSES = 2
+#: readings of a measurement that a search goes over at most
+_LOOKED_OVER = 5000
 
 
 class Reason(StrEnum):
@@ -148,6 +156,19 @@ def infer(weighing: Weighing) -> Inference:
 def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
     """The most probable set of effects, and the weighing with the noise that it leaves.
 
+    Of many readings it is sought over some of them first.
+    """
+    few = weighing.survey.thinned(_LOOKED_OVER)
+    if few is weighing.survey:
+        weighing, found = _sought(weighing)
+    else:
+        weighing, found = _taken_over(weighing, *_sought(over(few, weighing)))
+    return as_defined(weighing, search_possible(weighing, found))
+
+
+def _sought(weighing: Weighing) -> tuple[Weighing, Explanation]:
+    """What a search finds from nothing, and the weighing with the noise that it leaves.
+
     Two more starts lead to one: over contacts that an effect would choose, unless that was found,
     and beside the tails of readings before any effect, unless none are left of them.
     """
@@ -158,8 +179,20 @@ def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
     if not tails.is_plain and not weighing.base.noise.is_plain:
         tailed = weighing.with_candidates(weighing.candidates).with_noise(tails)
         weighing, found = _better(weighing, found, tailed)
-    weighing, found = _settled(weighing, found, search_beyond)
-    return as_defined(weighing, search_possible(weighing, found))
+    return _settled(weighing, found, search_beyond)
+
+
+def _taken_over(
+    weighing: Weighing, of_few: Weighing, found: Explanation
+) -> tuple[Weighing, Explanation]:
+    """What was found over some of the readings, fitted to all, and what these lead to beside it.
+
+    Their noise comes first: taken for white, it would be told as effects.
+    """
+    terms = found.terms
+    of_few.release()
+    here = _beside_own(weighing, weighing.explain(terms, weighing.small().posterior.sizes))
+    return _settled(here[0], without_needless(*here), search_exchanging)
 
 
 def _searched_over(survey: Survey, weighing: Weighing) -> tuple[Weighing, Explanation]:
@@ -180,14 +213,14 @@ def _better(
 ) -> tuple[Weighing, Explanation]:
     """What another start leads to, where that is more probable than what was found.
 
-    One at a time: signatures and products of many readings take much memory.
+    One at a time: products of many readings take much memory.
     """
-    asked_back = weighing.put_away()
+    weighing.forget()
     other, end = _settled(start, start.nothing(), search)
     if end.score > found.score:
         return other, end
-    other.put_away()
-    return asked_back(), found
+    other.forget()
+    return weighing, found
 
 
 def _settled(
@@ -199,13 +232,17 @@ def _settled(
     found = lead_on(weighing, start)
     for _ in range(_PASSES):
         before = weighing
-        weighing, found = over_own_contacts(weighing, found)
-        weighing, found = beside_own_noise(weighing, found)
+        weighing, found = _beside_own(weighing, found)
         if weighing is before:
             break
         # another noise may make needless what stood for it
         found = lead_on(weighing, without_needless(weighing, found))
     return weighing, found
+
+
+def _beside_own(weighing: Weighing, found: Explanation) -> tuple[Weighing, Explanation]:
+    """An explanation over its own contacts and beside its own noise."""
+    return beside_own_noise(*over_own_contacts(weighing, found))
 
 
 def beside_forms(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -19,7 +19,7 @@ from vmach.diagnosis.inference.careful_fit import careful_fit
 from vmach.diagnosis.inference.rules import UNMEASURED
 from vmach.effects import Effect
 from vmach.fit.base import Base
-from vmach.fit.candidates import Candidate, gather_candidates
+from vmach.fit.candidates import Candidate
 from vmach.fit.columns import Columns
 from vmach.fit.deletion_residuals import deletion_residuals
 from vmach.fit.evidence import WIDTHS, Evidence, width_of
@@ -27,7 +27,6 @@ from vmach.fit.joint_fit import fit_terms
 from vmach.fit.marginal_likelihood import Effects, Posterior, best_sizes
 from vmach.fit.noise.discrepancy import members_of
 from vmach.fit.noise.feature_noise import FeatureNoise
-from vmach.fit.noise.means import Means
 from vmach.fit.remembered import Remembered
 from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
@@ -37,8 +36,6 @@ __all__ = ["Explanation", "Weighing"]
 
 #: sizes in u that a search starts from
 _START = 0.3
-#: means at most that a search looks candidates over on; what is found is fitted to all readings
-_LOOKED_OVER = 5000
 #: readings of the explanations that are remembered
 _ROOM = 100_000
 #: share of their stated inexactness that laws may have as well, with even odds; chosen: nature is
@@ -118,8 +115,6 @@ class Weighing:
     def _take(self, noise: FeatureNoise) -> None:
         self.base = Base(self.survey, noise, self.members)
         self._none = Effects(self.base.no_columns)
-        many = -(-len(self.survey) // _LOOKED_OVER)
-        self._means = Base(self.survey, Means(noise, many), self.members) if many > 1 else None
         self._forget()
         #: log probability of every set that a search weighed, by the labels of its effects
         self.tried: dict[frozenset[str], float] = {}
@@ -128,7 +123,6 @@ class Weighing:
     def _forget(self) -> None:
         """What was worked out is of other candidates, or beside another noise."""
         self._bank: Bank | None = None
-        self._bank_of_means: Bank | None = None
         room = _ROOM / len(self.survey)
         # by identity of the effects: a posterior is asked again and again
         self._known = Remembered[tuple[Effects, Evidence]](room)
@@ -149,11 +143,6 @@ class Weighing:
         """The candidates' signatures, made ready when first asked for."""
         self._bank = self._bank or Bank(self.base, self.candidates)
         return self._bank
-
-    @property
-    def looked_over_on(self) -> Base:
-        """Where a search looks candidates over: all readings, or means where they are many."""
-        return self._means or self.base
 
     def _empty(self, sizes: Sizes) -> Explanation:
         """The empty set beside members of given sizes."""
@@ -182,27 +171,10 @@ class Weighing:
         self.base.forget()
         give_back_free_memory()
 
-    def forget_means(self) -> None:
-        """What a search looks candidates over on, where it is over."""
-        self._bank_of_means = None
-        give_back_free_memory()
-
     def release(self) -> None:
         """Candidates too, and those of the weighings that this was made of: none is asked again."""
         self.forget()
         self.candidates.clear()
-
-    def put_away(self) -> Callable[[], Self]:
-        """Room for another weighing that goes on meanwhile; asked back, this one as it was.
-
-        Of many readings the candidates are released, and gathered again when they are asked back.
-        """
-        self.forget()
-        if self._means is None:
-            return lambda: self
-        effects = self.effects
-        self.release()
-        return lambda: self.with_candidates(gather_candidates(self.survey, effects)[0])
 
     def with_candidates(self, candidates: Sequence[Candidate]) -> Self:
         """The same with other candidates."""
@@ -397,7 +369,7 @@ class Weighing:
 
     def term(self, k: int, explanation: Explanation) -> Term:
         """Candidate k with its best inner parameters on what an explanation leaves."""
-        candidate, evidence = self.candidates[k], self.looked_over(explanation)
+        candidate, evidence = self.candidates[k], self.evidence(explanation)
         width = None
         if candidate.is_curve:
             width = WIDTHS[evidence.best_width[k, 0]]
@@ -411,38 +383,9 @@ class Weighing:
         effects, key = posterior.effects, (id(posterior.effects), posterior.sizes)
         return self._known.get(key, lambda: (effects, self.bank.evidence(posterior)))[1]
 
-    def looked_over(self, explanation: Explanation) -> Evidence:
-        """The same for a search, which fits what is worth it: on means where readings are many."""
-        if self._means is None:
-            return self.evidence(explanation)
-        posterior = explanation.posterior
-        effects, key = posterior.effects, (id(posterior.effects), posterior.sizes, "means")
-
-        def made() -> tuple[Effects, Evidence]:
-            bank, on_means = self._looked_over(explanation)
-            return effects, bank.evidence(on_means)
-
-        return self._known.get(key, made)[1]
-
-    def _looked_over(self, explanation: Explanation) -> tuple[Bank, Posterior]:
-        """What a search looks candidates over with."""
-        posterior, base = explanation.posterior, self._means
-        if base is None:
-            return self.bank, posterior
-        self._bank_of_means = self._bank_of_means or Bank(base, self.candidates)
-        effects = posterior.effects.on(base)
-        return self._bank_of_means, Posterior(base, posterior.sizes, effects)
-
-    def gains(self, explanation: Explanation, *, roughly: bool = False) -> np.ndarray:
-        """Log odds of every candidate beside an explanation, at its sizes.
-
-        Parameters
-        ----------
-        explanation : Explanation
-        roughly : bool
-            Whether they only say what is worth a fit.
-        """
-        evidence = self.looked_over(explanation) if roughly else self.evidence(explanation)
+    def gains(self, explanation: Explanation) -> np.ndarray:
+        """Log odds of every candidate beside an explanation, at its sizes."""
+        evidence = self.evidence(explanation)
         return evidence.log_factor[:, 0] + self._log_priors_beside(self._count(explanation.terms))
 
     def _log_priors_beside(self, count: int) -> np.ndarray:
@@ -458,7 +401,7 @@ class Weighing:
         They only say what is worth a fit: the first, in rows, is at its best place. Minus infinity
         for curves, and for what is there.
         """
-        gains, count = self.gains(explanation, roughly=True), self._count(explanation.terms)
+        gains, count = self.gains(explanation), self._count(explanation.terms)
         odds = np.full((len(gains),) * 2, -np.inf)
         asked = [
             k
@@ -467,9 +410,8 @@ class Weighing:
         ]
         if not asked:
             return odds
-        bank, posterior = self._looked_over(explanation)
-        firsts = [posterior.base.columns(self._at_best(k, explanation)) for k in asked]
-        odds[asked] = bank.beside_each(posterior, firsts)
+        firsts = [self.base.columns(self._at_best(k, explanation)) for k in asked]
+        odds[asked] = self.bank.beside_each(explanation.posterior, firsts)
         counts = [self._log_priors_beside(count + more) for more in (0, 1)]
         for k in asked:
             is_counted = self.candidates[k].label in self._counted
@@ -480,13 +422,13 @@ class Weighing:
 
     def _at_best(self, k: int, explanation: Explanation) -> np.ndarray:
         """Candidate k at its best place and width beside an explanation, (n, K) mm."""
-        evidence = self.looked_over(explanation)
+        evidence = self.evidence(explanation)
         width = WIDTHS[evidence.best_width[k, 0]]
         return width * self.candidates[k].signatures_mm[:, evidence.best[k, 0]]
 
     def would_take(self, k: int, explanation: Explanation) -> np.ndarray:
         """What candidate k, fitted to what an explanation leaves, would take, (r,) of unit size."""
-        evidence = self.looked_over(explanation)
+        evidence = self.evidence(explanation)
         white = self.base.white(self.candidates[k].signatures_mm[:, evidence.best[k, 0]])
         left, width = explanation.posterior.left, WIDTHS[evidence.best_width[k, 0]]
         prior = np.eye(white.shape[1]) / width**2
