@@ -22,7 +22,6 @@ from vmach.fit.deletion_residuals import deletion_residuals
 from vmach.fit.evidence import WIDTHS
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.noise.feature_noise import FeatureNoise
-from vmach.fit.noise.means import Means
 from vmach.fit.sizes import Sizes
 from vmach.fit.uncertainty import Otherwise, parameter_uncertainty
 
@@ -84,15 +83,6 @@ def test_probability_is_that_of_a_normal_distribution(weighing, share, tails):
     one = both(Sizes(1.0, (0.3,) * count), np.zeros((len(survey), 0)))
     other = both(Sizes(1.4, tuple(np.linspace(0.0, 2.0, count))), 1.5 * scale)
     assert one[1] - other[1] == pytest.approx(one[0] - other[0], rel=1e-6)
-
-
-@pytest.mark.parametrize("share", [0.0, 0.6])
-def test_means_of_readings_have_unit_noise(weighing, share):
-    survey = weighing.survey
-    noise = FeatureNoise(survey.u_mm, survey.group, np.ones(len(survey)), share, 0.8)
-    means = Means(noise, 3).white(np.eye(len(survey)))
-    np.testing.assert_allclose(means @ dense_noise(noise) @ means.T, np.eye(len(means)), atol=1e-9)
-    assert len(means) < 0.4 * len(survey)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.6])

@@ -110,6 +110,7 @@ def diagnose(
     tell("search")
     found = infer(weighing)
     weighing, explanation = found.weighing, found.explanation
+    weighing.forget_columns()
     survey = weighing.survey
     findings = findings_of(found)
     verdict = _verdict(found, findings)

@@ -168,9 +168,9 @@ class Survey:
         """Direction of each reading, (n, 3)."""
         return np.vstack([m.sensing for m in self.measurements])
 
-    @cached_property
+    @property
     def factors(self) -> np.ndarray:
-        """Signatures of what is not known of the model, of unit variance, (n, q) mm.
+        """Signatures of what is not known of the model, of unit variance, (n, q) mm; not kept.
 
         The tables' uncertainty and that of the parameters of the job's effects are the same
         causes in all measurements; what the effects' laws leave open is new in each.

@@ -168,6 +168,10 @@ class Weighing:
     def forget(self) -> None:
         """What takes much memory, where another weighing takes its place and goes on."""
         self._forget()
+        self.forget_columns()
+
+    def forget_columns(self) -> None:
+        """What fits worked out, where others take its place; not what candidates are weighed by."""
         self.base.forget()
         give_back_free_memory()
 

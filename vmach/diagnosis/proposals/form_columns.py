@@ -36,6 +36,8 @@ from vmach.fit.whitening import orthonormal
 
 __all__ = ["FormColumns"]
 
+#: some of the readings: all, or their numbers
+Rows = slice | np.ndarray
 #: kinds of what may push along all axes at once, by another amount each
 _ALONG_ALL = ("time", "warm-up", "time since tool change", "spindle", "tool change", "tool")
 #: kinds of what may be more or less along an axis
@@ -146,14 +148,14 @@ class FormColumns:
     def __len__(self) -> int:
         return len(self._forms)
 
-    def columns(self, form: Form) -> np.ndarray:
-        """Signatures of a usual amount each, (n, K) mm."""
-        first, second = self._states[form.first], self._states[form.second]
+    def columns(self, form: Form, rows: Rows = slice(None)) -> np.ndarray:
+        """Signatures of a usual amount each over some of the readings, (n, K) mm."""
+        first, second = self._states[form.first][rows], self._states[form.second][rows]
         product = (first[:, :, None] * second[:, None, :]).reshape(len(first), 1, -1)
-        sensed = self._sensed[form.direction][:, :, None]
+        sensed = self._sensed[form.direction][rows][:, :, None]
         columns = 1e-3 * USUAL_UM * (sensed * product).reshape(len(first), -1)
         if self._zeros and not form.needs_surface and not form.direction.turns_tool:
-            columns -= self._zeros.columns_mm(form)
+            columns -= self._zeros.columns_mm(form)[rows]
         return columns
 
     def simpler(self, form: Form) -> list[Form]:
@@ -162,7 +164,7 @@ class FormColumns:
         directions = DIRECTIONS[:3] if form.direction in TURNS else (form.direction,)
         fewer = (Form(CONSTANT, state, d) for state in states for d in directions)
         listed = (one for one in fewer if one in self._forms and one != form)
-        return [one for one in listed if self._shows(one, self.columns(one))]
+        return [one for one in listed if self._shows(one)]
 
     def space_of(self, form: Form) -> np.ndarray:
         """Orthonormal basis of the signatures with alignment taken off, (n, r)."""
@@ -181,26 +183,19 @@ class FormColumns:
         """The form as a candidate of a search."""
         return _candidate(form, self.columns(form))
 
-    def shown(
-        self, forms: Sequence[Form], rows: np.ndarray | slice
-    ) -> tuple[list[Form], list[Candidate]]:
-        """Those of some forms that show, and as candidates over some readings."""
-        pairs = ((form, self.columns(form)) for form in forms)
-        shown = [
-            (form, _candidate(form, columns[rows]))
-            for form, columns in pairs
-            if self._shows(form, columns)
-        ]
-        return [form for form, _ in shown], [candidate for _, candidate in shown]
+    def shown(self, forms: Sequence[Form], rows: Rows) -> tuple[list[Form], list[Candidate]]:
+        """Those of some forms that some readings show, and as candidates over these."""
+        shown = [form for form in forms if self._shows(form, rows)]
+        return shown, [_candidate(form, self.columns(form, rows)) for form in shown]
 
-    def _shows(self, form: Form, columns: np.ndarray) -> bool:
-        """Whether readings show a form with signatures (n, K) mm; of a tilt what no table says."""
-        if np.ptp(columns, axis=0).max() <= _BLIND_MM:
+    def _shows(self, form: Form, rows: Rows = slice(None)) -> bool:
+        """Whether some readings show a form; of a tilt what no table says."""
+        if np.ptp(self.columns(form, rows), axis=0).max() <= _BLIND_MM:
             return False
         if not form.direction.turns_tool:
             return True
         # of several amounts none, as that one would stand for a table
-        own = orthonormal(columns - self._survey.aligned(columns))
+        own = self.space_of(form)
         return bool(np.linalg.norm(self._places.T @ own, 2) ** 2 < _OF_TABLE)
 
     @cached_property

@@ -57,6 +57,7 @@ class Forms:
     """
 
     def __init__(self, weighing: Weighing, found: Explanation) -> None:
+        weighing.forget_columns()  # forms take much memory of their own
         self._weighing = weighing
         self._known = [weighing.candidates[weighing.index_of(t.label)] for t in found.terms]
         self._columns = FormColumns(weighing.survey)
