@@ -41,6 +41,8 @@ _PASSES = 4
 _RIGHT = 1.3
 #: share of its width that the next grid has at least
 _NARROWEST = 0.2
+#: readings at all nodes that are worked out together
+_AT_ONCE = 1_000_000
 #: step of coefficients in a derivative
 _STEP = 1e-4
 #: share of what was open before; a parameter that stays that open is not shown by the readings
@@ -272,8 +274,11 @@ class _OneTerm:
     def at(self, inner: Sequence[Mapping[str, float]], log_prior: np.ndarray) -> _Distribution:
         """The distribution over G nodes whose log prior is (G,)."""
         effect, target, base = self.term.effect, self.term.target, self.beside.base
-        columns = base.signatures([(effect, target, values) for values in inner])
-        found = [self.beside.products(own) for own in columns]
+        many = max(_AT_ONCE // len(base.y), 1)
+        found = []
+        for k in range(0, len(inner), many):
+            asked = [(effect, target, values) for values in inner[k : k + many]]
+            found += [self.beside.products(own) for own in base.signatures(asked)]
         precision, seen = map(np.stack, zip(*found, strict=True))
         return _weighed(inner, precision, seen, log_prior)
 
