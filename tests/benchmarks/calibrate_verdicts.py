@@ -38,8 +38,7 @@ from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.rules import CLEARLY, IMITATION, SHOWN
 from vmach.diagnosis.inference.support import Support, supports_of
-from vmach.diagnosis.inference.verdicts import beside_forms, searched
-from vmach.diagnosis.proposals.forms import Forms
+from vmach.diagnosis.inference.verdicts import beside_forms, led
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.diagnosis.rivals import rivals_of
 from vmach.fit.sizes import _POWER, _USUAL_SIZE
@@ -78,10 +77,9 @@ def rows_of(kind: str, noise: str, seed: int) -> Iterator[dict]:
             return
         truth = json.loads((folder / "truth.json").read_text())
         weighing = prepare_weighing(survey_job(folder / "job.toml"))
-        weighing, found = searched(weighing)
+        weighing, found, forms, grown = led(weighing)
     yield case | {"members": json.dumps(found.posterior.sizes.members)}
-    forms = Forms(weighing, found)
-    weighing, found, stay, _ = beside_forms(weighing, forms, found, forms.grown(found))
+    weighing, found, stay, _ = beside_forms(weighing, forms, found, grown)
     fit, count = weighing.careful(found), len(found.terms) - stay
     impossible = impossible_terms(fit) if fit else []
     for k, support in enumerate(supports_of(weighing, found, count)):

@@ -67,9 +67,12 @@ class Survey:
             for path, m in zip(self.paths, self.measurements, strict=True)
         )
 
-    def thinned(self, most: int) -> Survey:
-        """The same with at most so many readings of each measurement; itself where there are."""
-        measurements = tuple(_thinned(m, most) for m in self.measurements)
+    def thinned(self, least: int) -> Survey:
+        """The same with so many readings of each measurement at least, and no twice as many.
+
+        Itself where no measurement has twice as many.
+        """
+        measurements = tuple(_thinned(m, least) for m in self.measurements)
         is_same = all(map(operator.is_, measurements, self.measurements))
         return self if is_same else replace(self, measurements=measurements)
 
@@ -310,10 +313,10 @@ class Survey:
         return [path for path, m in pairs if _can_show(m, effect)]
 
 
-def _thinned(measurement: Measurement, most: int) -> Measurement:
+def _thinned(measurement: Measurement, least: int) -> Measurement:
     """One reading of each stretch of a feature, at random: neighbours may take turns."""
-    many = -(-len(measurement) // most)
-    if many == 1:
+    many = len(measurement) // least
+    if many < 2:
         return measurement
     stretches = np.arange(0, len(measurement), many)
     chosen = stretches + np.random.default_rng(_SEED).integers(many, size=len(stretches))

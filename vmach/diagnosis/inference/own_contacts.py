@@ -7,7 +7,7 @@ others. A linear law holds between two choices.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from vmach.diagnosis.fitted_parameters import fitted_values
 from vmach.diagnosis.inference.bank import Bank
 from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
-from vmach.effects import AtAnyMoment, EffectInstance
+from vmach.effects import AtAnyMoment, Effect, EffectInstance
 from vmach.fit.base import Base
 from vmach.fit.candidates import Candidate, candidate_of, gather_candidates
 from vmach.fit.marginal_likelihood import Effects, Posterior
@@ -87,9 +87,9 @@ def chosen_by_one(weighing: Weighing) -> tuple[str, Survey] | None:
     return (label, moved) if gain >= CLEARLY else None
 
 
-def over(survey: Survey, weighing: Weighing) -> Weighing:
-    """The effects of a weighing over contacts of a survey, and nothing known of its noise."""
-    candidates, excluded = gather_candidates(survey, weighing.effects)
+def over(survey: Survey, effects: Iterable[Effect]) -> Weighing:
+    """Effects over the contacts of a survey, and nothing known of its noise."""
+    candidates, excluded = gather_candidates(survey, effects)
     return Weighing(survey, candidates, excluded=excluded)
 
 

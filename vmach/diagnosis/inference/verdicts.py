@@ -32,15 +32,14 @@ from vmach.diagnosis.proposals.forms import Forms
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.sizes import Sizes
-from vmach.fit.survey import Survey
 from vmach.fit.terms import JointFit, Term
 
-__all__ = ["Inference", "Reason", "Weak", "beside_forms", "infer", "judged", "searched"]
+__all__ = ["Inference", "Reason", "Weak", "beside_forms", "infer", "judged", "led"]
 
 #: times that contacts and the noise of single readings are estimated anew
 _PASSES = 2
-#: readings of a measurement that a search goes over at most
-_LOOKED_OVER = 5000
+#: readings of a measurement that a search goes over first, at least, where there are twice as many
+_SEARCHED = 2500
 
 
 class Reason(StrEnum):
@@ -126,14 +125,7 @@ def infer(weighing: Weighing) -> Inference:
 
     Forms over states compete with the effects for what the readings show.
     """
-    weighing, found = searched(weighing)
-    forms = Forms(weighing, found)
-    grown = forms.grown(found)
-    moved = chosen_by_all(forms.among(_forms_of(grown)), grown) if _forms_of(grown) else None
-    if moved is not None:
-        weighing, found = _searched_over(moved, weighing)
-        forms = Forms(weighing, found)
-        grown = forms.grown(found)
+    weighing, found, forms, grown = led(weighing)
     among, beside, stay, replaced = beside_forms(weighing, forms, found, grown)
     told, supports, weak = judged(among, beside, stay)
     shown = told.terms[: len(told.terms) - stay]
@@ -153,17 +145,65 @@ def infer(weighing: Weighing) -> Inference:
     )
 
 
-def searched(weighing: Weighing) -> tuple[Weighing, Explanation]:
-    """The most probable set of effects, and the weighing with the noise that it leaves.
+def led(weighing: Weighing) -> tuple[Weighing, Explanation, Forms, Explanation]:
+    """The most probable effects, and the same where forms compete with them.
 
-    Of many readings it is sought over some of them first.
+    Returns
+    -------
+    Weighing
+        With the noise that they leave, over the contacts that they choose.
+    Explanation
+        By effects alone.
+    Forms
+    Explanation
+        By effects and forms.
     """
-    few = weighing.survey.thinned(_LOOKED_OVER)
+    weighing, found, forms, grown = _led(weighing)
+    chosen = _forms_of(grown)
+    moved = chosen_by_all(forms.among(chosen), grown) if chosen else None
+    if moved is None:
+        return weighing, found, forms, grown
+    effects = weighing.effects
+    weighing.release()
+    del weighing, found, forms, grown  # large, and of other contacts
+    return _led(over(moved, effects), by_forms=True)
+
+
+def _led(
+    weighing: Weighing, *, by_forms: bool = False
+) -> tuple[Weighing, Explanation, Forms, Explanation]:
+    """The same over contacts that effects choose, or that forms chose.
+
+    Of many readings some are searched first. Where no form takes the place of effects there, none
+    is tried in the place of these on all readings: that takes long.
+    """
+    seek = _sought_as_they_are if by_forms else _sought
+    few, sure = weighing.survey.thinned(_SEARCHED), frozenset[str]()
     if few is weighing.survey:
-        weighing, found = _sought(weighing)
+        weighing, found = seek(weighing)
     else:
-        weighing, found = _taken_over(weighing, *_sought(over(few, weighing)))
-    return as_defined(weighing, search_possible(weighing, found))
+        some, found = seek(over(few, weighing.effects))
+        terms, grown = found.terms, Forms(some, found).grown(found)
+        sure = frozenset() if _forms_of(grown) else found.labels & grown.labels
+        some.release()
+        weighing, found = _taken_over(weighing, terms, by_forms=by_forms)
+    weighing, found = as_defined(weighing, search_possible(weighing, found))
+    forms = Forms(weighing, found)
+    return weighing, found, forms, forms.grown(found, sure=sure)
+
+
+def _taken_over(
+    weighing: Weighing, terms: Sequence[Term], *, by_forms: bool
+) -> tuple[Weighing, Explanation]:
+    """What some of the readings led to, fitted to all, and what all lead to beside it.
+
+    Their noise comes first: taken for white, it would be told as effects.
+    """
+    found = weighing.explain(terms, weighing.small().posterior.sizes)
+    if not by_forms:
+        weighing, found = over_own_contacts(weighing, found)
+    weighing, found = beside_own_noise(weighing, found)
+    return weighing, search_exchanging(weighing, without_needless(weighing, found))
 
 
 def _sought(weighing: Weighing) -> tuple[Weighing, Explanation]:
@@ -175,33 +215,17 @@ def _sought(weighing: Weighing) -> tuple[Weighing, Explanation]:
     chosen, tails = chosen_by_one(weighing), noise_before(weighing)
     weighing, found = _settled(weighing, weighing.nothing(), search)
     if chosen is not None and chosen[0] not in found.labels:
-        weighing, found = _better(weighing, found, over(chosen[1], weighing))
+        weighing, found = _better(weighing, found, over(chosen[1], weighing.effects))
     if not tails.is_plain and not weighing.base.noise.is_plain:
         tailed = weighing.with_candidates(weighing.candidates).with_noise(tails)
         weighing, found = _better(weighing, found, tailed)
     return _settled(weighing, found, search_beyond)
 
 
-def _taken_over(
-    weighing: Weighing, of_few: Weighing, found: Explanation
-) -> tuple[Weighing, Explanation]:
-    """What was found over some of the readings, fitted to all, and what these lead to beside it.
-
-    Their noise comes first: taken for white, it would be told as effects.
-    """
-    terms = found.terms
-    of_few.release()
-    here = _beside_own(weighing, weighing.explain(terms, weighing.small().posterior.sizes))
-    return _settled(here[0], without_needless(*here), search_exchanging)
-
-
-def _searched_over(survey: Survey, weighing: Weighing) -> tuple[Weighing, Explanation]:
-    """The same over the contacts of a survey, which a form chose: effects alone would not."""
-    start = over(survey, weighing)
-    weighing.release()
-    weighing, found = beside_own_noise(start, search(start, start.nothing()))
-    found = search_beyond(weighing, without_needless(weighing, found))
-    return as_defined(weighing, search_possible(weighing, found))
+def _sought_as_they_are(weighing: Weighing) -> tuple[Weighing, Explanation]:
+    """The same over contacts that a form chose: effects alone would not."""
+    weighing, found = beside_own_noise(weighing, search(weighing, weighing.nothing()))
+    return weighing, search_beyond(weighing, without_needless(weighing, found))
 
 
 def _forms_of(grown: Explanation) -> list[Term]:
@@ -232,17 +256,12 @@ def _settled(
     found = lead_on(weighing, start)
     for _ in range(_PASSES):
         before = weighing
-        weighing, found = _beside_own(weighing, found)
+        weighing, found = beside_own_noise(*over_own_contacts(weighing, found))
         if weighing is before:
             break
         # another noise may make needless what stood for it
         found = lead_on(weighing, without_needless(weighing, found))
     return weighing, found
-
-
-def _beside_own(weighing: Weighing, found: Explanation) -> tuple[Weighing, Explanation]:
-    """An explanation over its own contacts and beside its own noise."""
-    return beside_own_noise(*over_own_contacts(weighing, found))
 
 
 def beside_forms(

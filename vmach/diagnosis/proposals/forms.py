@@ -64,16 +64,22 @@ class Forms:
         self._leading = LeadingForms(weighing, self._columns)
         self._chosen: dict[str, Form] = {}
 
-    def grown(self, found: Explanation) -> Explanation:
+    def grown(self, found: Explanation, *, sure: AbstractSet[str] = frozenset()) -> Explanation:
         """An explanation with forms added while that is clearly more probable.
 
         Effects may imitate another cause: forms compete with all of them, and with those that the
         search needs least, as the others may be known causes. In the end every effect competes
         with the forms: one that imitations hid may be what a form says.
+
+        Parameters
+        ----------
+        found : Explanation
+        sure : set of str
+            Labels of those of its effects in whose place no form is tried.
         """
         start = self._start(found)
         best = self._grown(start)
-        for fewer in self._with_fewer(found, start):
+        for fewer in self._with_fewer(found, start, sure):
             alone = self._alone(fewer, best)
             is_clear = alone.score > best.score + CLEARLY
             if is_clear and not self._says_the_same(found, best.labels, alone.labels):
@@ -136,7 +142,9 @@ class Forms:
         moved = found.fit.explained_mm(k)[:, None]
         return moved - self._weighing.survey.aligned(moved)
 
-    def _with_fewer(self, found: Explanation, start: Explanation) -> Iterator[Explanation]:
+    def _with_fewer(
+        self, found: Explanation, start: Explanation, sure: AbstractSet[str]
+    ) -> Iterator[Explanation]:
         """Without any effect, and without those that the search needs least: one, two, ...
 
         Parameters
@@ -144,12 +152,15 @@ class Forms:
         found : Explanation
         start : Explanation
             The same where forms are candidates.
+        sure : set of str
+            Labels of effects that stay.
         """
-        if found.terms:
+        free = [k for k, term in enumerate(found.terms) if term.label not in sure]
+        if len(free) == len(found.terms) > 0:
             yield self._with(()).nothing()
-        without = [self._weighing.without(found, [k]).score for k in range(len(found.terms))]
-        order = np.argsort(without)[::-1].tolist()
-        for count in range(1, len(order)):
+        without = [self._weighing.without(found, [k]).score for k in free]
+        order = [free[k] for k in np.argsort(without)[::-1].tolist()]
+        for count in range(1, min(len(order), len(found.terms) - 1) + 1):
             yield self._with(()).without(start, order[:count])
 
     def _is_worth_a_form(self, here: Explanation) -> bool:
