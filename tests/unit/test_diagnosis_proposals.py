@@ -14,6 +14,7 @@ from tests.unit.test_diagnosis_verdicts import nothing, stretched_and_loose, tip
 from vmach.cli import app
 from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.findings import something_unknown
+from vmach.diagnosis.inference.moves import search
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.rules import RULES
 from vmach.diagnosis.next_test.next_measurement import next_measurement
@@ -250,6 +251,23 @@ def test_forms_without_room_are_weighed_once_at_each_look(pushed_job, monkeypatc
     looks = [[form for some, _ in forms._leading._weighed() for form in some] for _ in range(3)]
     assert len(looks[0]) > 150
     assert looks[1] == looks[0] and looks[2] == looks[0]
+
+
+def test_no_form_is_tried_in_the_place_of_effects_that_are_sure(tmp_path):
+    weighing = prepare_weighing(survey_job(tip_job(tmp_path, stretched_and_loose)))
+    found = search(weighing, weighing.nothing())
+    every = found.labels
+    assert len(every) > 1
+    forms = Forms(weighing, found)
+    start = forms._start(found)
+
+    def beside(sure):
+        return [fewer.labels for fewer in forms._with_fewer(found, start, frozenset(sure))]
+
+    assert beside([])[0] == frozenset() and len(beside([])) == len(every)
+    assert beside(every) == []
+    for label in every:
+        assert beside([label]) and all(label in labels for labels in beside([label]))
 
 
 def test_of_forms_that_round_alike_the_first_is_listed(pushed_job, monkeypatch):
