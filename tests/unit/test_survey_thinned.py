@@ -38,3 +38,14 @@ def test_what_some_readings_tell_is_told_of_all(tmp_path, monkeypatch):
     for one, other in zip(said.findings, also.findings, strict=True):
         for name, value in one.parameters.items():
             assert abs(other.parameters[name] - value) <= 0.1 * one.u[name]
+
+
+def test_of_a_scan_as_many_readings_as_can_be_weighed_are_looked_at(tmp_path, monkeypatch):
+    path = tip_job(tmp_path, stretched_and_loose)
+    whole = survey_job(path)
+    monkeypatch.setattr("vmach.diagnosis.residuals.job_survey._LOOKED_AT", 50)
+    few = survey_job(path)
+    assert len(whole) == 210 and len(few) == 53
+    said = [note.sentence for note in few.notes if "looked at" in note.sentence]
+    assert said == ["of 210 readings 53 are looked at, one of each 4 neighbours"]
+    assert not any("looked at" in note.sentence for note in whole.notes)

@@ -31,8 +31,6 @@ __all__ = ["Survey"]
 
 #: share of u² that a direction of what a law leaves open has at least
 _LEAST = 1e-3
-#: of what is chosen at random among readings
-_SEED = 0
 
 
 @dataclass(frozen=True)
@@ -68,11 +66,8 @@ class Survey:
         )
 
     def thinned(self, least: int) -> Survey:
-        """The same with so many readings of each measurement at least, and no twice as many.
-
-        Itself where no measurement has twice as many.
-        """
-        measurements = tuple(_thinned(m, least) for m in self.measurements)
+        """The same with some readings of each measurement that has twice as many as that."""
+        measurements = tuple(m.thinned(least) for m in self.measurements)
         is_same = all(map(operator.is_, measurements, self.measurements))
         return self if is_same else replace(self, measurements=measurements)
 
@@ -311,17 +306,6 @@ class Survey:
         """Of the measurements that could show an effect."""
         pairs = zip(self.seen_paths, self.measurements, strict=True)
         return [path for path, m in pairs if _can_show(m, effect)]
-
-
-def _thinned(measurement: Measurement, least: int) -> Measurement:
-    """One reading of each stretch of a feature, at random: neighbours may take turns."""
-    many = len(measurement) // least
-    if many < 2:
-        return measurement
-    stretches = np.arange(0, len(measurement), many)
-    chosen = stretches + np.random.default_rng(_SEED).integers(many, size=len(stretches))
-    order = np.argsort(measurement.group, kind="stable")
-    return measurement.keep(np.sort(order[chosen[chosen < len(order)]]))
 
 
 def _columns(

@@ -35,6 +35,8 @@ _WITH_ROWS = (
     "measured_at",
     "scale_u_mm",
 )
+#: of what is chosen at random among readings
+_SEED = 0
 
 
 @dataclass(frozen=True)
@@ -182,3 +184,17 @@ class Measurement:
         if self.surface is not None:
             kept["surface"] = self.surface[rows]
         return replace(self, notes=(*self.notes, *notes), **kept)
+
+    def thinned(self, least: int) -> Measurement:
+        """One reading of each stretch of a group, so many at least; as given where few are more.
+
+        Stretches are as long as leaves less than twice as many. Of each one reading is taken at
+        random, as readings along several axes may take turns.
+        """
+        many = len(self) // least
+        if many < 2:
+            return self
+        start = np.arange(0, len(self), many)
+        chosen = start + np.random.default_rng(_SEED).integers(many, size=len(start))
+        order = np.argsort(self.group, kind="stable")
+        return self.keep(np.sort(order[chosen[chosen < len(self)]]))
