@@ -137,7 +137,7 @@ def test_contacts_that_hide_an_effect_are_exchanged_for_its_own(job):
     weighing = prepare_weighing(survey_job(job(10.0, NOISE_UM)))
     label, survey = chosen_by_one(weighing)
     assert label.startswith("lateral_play X")
-    other = over(survey, weighing)
+    other = over(survey, weighing.effects)
     sense = [np.sign(end - begin) for _, begin, end in GROOVES for _ in PLACES]
     true = [height_um(10.0, p, s) for s, p in zip(sense, 3 * PLACES, strict=True)]
     off = [np.abs(at_contacts_um(w.survey, 10.0) - true).max() for w in (weighing, other)]
