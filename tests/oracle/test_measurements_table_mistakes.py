@@ -13,6 +13,7 @@ import pytest
 from tests.hidden_effects.experiment import make_experiment
 from vmach.base.note import Kind
 from vmach.diagnosis.residuals.job_survey import survey_job
+from vmach.measurements.plausibility.part_alternatives import part_alternatives
 
 ARCSECOND_URAD = 4.84814
 ANGLES = [f"E{kind}{axis}" for axis in "XYZ" for kind in "ABC"]
@@ -82,6 +83,22 @@ def test_what_was_spoiled_is_asked_about(healthy, tmp_path, spoil, said):
     spoil(folder)
     (note,) = questions(folder)
     assert note.startswith(f"part_measured.csv: {said} would agree with the model within 0.9")
+
+
+def test_of_a_scan_some_points_tell(healthy, tmp_path, monkeypatch):
+    asked_on = []
+
+    def counted(part, preparation):
+        asked_on.append(len(part))
+        return part_alternatives(part, preparation)
+
+    monkeypatch.setattr("vmach.instruments.kinds.part_points._ASKED", 200)
+    monkeypatch.setattr("vmach.instruments.kinds.part_points.part_alternatives", counted)
+    folder = shutil.copytree(healthy, tmp_path / "job")
+    exchanged_names(folder)
+    (note,) = questions(folder)
+    assert "with EYX and EZX exchanged the readings" in note
+    assert 200 <= asked_on[0] < 400
 
 
 def test_files_that_are_right_are_not_asked_about(healthy):

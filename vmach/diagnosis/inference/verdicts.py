@@ -199,7 +199,10 @@ def _taken_over(
 
     Their noise comes first: taken for white, it would be told as effects.
     """
-    found = weighing.explain(terms, weighing.small().posterior.sizes)
+    # what a few readings show may be nothing that all do
+    shown = {candidate.label for candidate in weighing.candidates}
+    known = [term for term in terms if term.label in shown]
+    found = weighing.explain(known, weighing.small().posterior.sizes)
     if not by_forms:
         weighing, found = over_own_contacts(weighing, found)
     weighing, found = beside_own_noise(weighing, found)

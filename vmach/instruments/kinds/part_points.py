@@ -54,6 +54,8 @@ _NOTABLE_MM = 0.1
 #: by how many u, and how far, a point has to stand out to be left out before any fit
 _OUTLIER_U = 12.0
 _GROSS_MM = 0.06
+#: points that tell what may be wrong with a file, at least, where there are twice as many
+_ASKED = 10_000
 
 
 class PartPoints(Instrument):
@@ -113,8 +115,9 @@ def measure_part(
             *in_file([Note.plain(Kind.UNCERTAINTY, _NO_UNCERTAINTY, place="u_um")], path)
         )
         part = _without_outliers(part)
-    others = part_alternatives(part, preparation)
-    return part.noted(*_doubtful_uncertainty(part), *alternative_notes(part, others)), prediction
+    few = part.thinned(_ASKED)
+    asked = alternative_notes(few, part_alternatives(few, preparation))
+    return part.noted(*_doubtful_uncertainty(part), *asked), prediction
 
 
 def _in_order(points: SurfacePoints) -> SurfacePoints:
