@@ -38,7 +38,8 @@ __all__ = ["Inference", "Reason", "Weak", "beside_forms", "infer", "judged", "le
 
 #: times that contacts and the noise of single readings are estimated anew
 _PASSES = 2
-#: readings of a measurement that a search goes over first, at least, where there are twice as many
+#: readings of a measurement that a search goes over first, at least, where there are twice as many;
+#: chosen: half of 500 to 900 points cost three right answers of 136 parts, so many none of 16
 _SEARCHED = 2500
 
 

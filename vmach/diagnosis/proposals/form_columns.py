@@ -164,7 +164,7 @@ class FormColumns:
         directions = DIRECTIONS[:3] if form.direction in TURNS else (form.direction,)
         fewer = (Form(CONSTANT, state, d) for state in states for d in directions)
         listed = (one for one in fewer if one in self._forms and one != form)
-        return [one for one in listed if self._shows(one)]
+        return [one for one in listed if self._shows(one, self.columns(one))]
 
     def space_of(self, form: Form) -> np.ndarray:
         """Orthonormal basis of the signatures with alignment taken off, (n, r)."""
@@ -185,12 +185,13 @@ class FormColumns:
 
     def shown(self, forms: Sequence[Form], rows: Rows) -> tuple[list[Form], list[Candidate]]:
         """Those of some forms that some readings show, and as candidates over these."""
-        shown = [form for form in forms if self._shows(form, rows)]
-        return shown, [_candidate(form, self.columns(form, rows)) for form in shown]
+        pairs = ((form, self.columns(form, rows)) for form in forms)
+        shown = [(form, columns) for form, columns in pairs if self._shows(form, columns)]
+        return [form for form, _ in shown], [_candidate(*one) for one in shown]
 
-    def _shows(self, form: Form, rows: Rows = slice(None)) -> bool:
-        """Whether some readings show a form; of a tilt what no table says."""
-        if np.ptp(self.columns(form, rows), axis=0).max() <= _BLIND_MM:
+    def _shows(self, form: Form, columns: np.ndarray) -> bool:
+        """Whether readings show a form with signatures (n, K) mm; of a tilt what no table says."""
+        if np.ptp(columns, axis=0).max() <= _BLIND_MM:
             return False
         if not form.direction.turns_tool:
             return True

@@ -54,7 +54,8 @@ _NOTABLE_MM = 0.1
 #: by how many u, and how far, a point has to stand out to be left out before any fit
 _OUTLIER_U = 12.0
 _GROSS_MM = 0.06
-#: points that tell what may be wrong with a file, at least, where there are twice as many
+#: points that tell what may be wrong with a file, at least, where there are twice as many; chosen:
+#: a mean of so many is known to a hundredth of the scatter
 _ASKED = 10_000
 
 
