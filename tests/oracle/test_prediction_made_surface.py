@@ -10,7 +10,7 @@ import pytest
 
 from tests.small_job import write_job
 from vmach.diagnosis.inference import own_contacts
-from vmach.diagnosis.inference.own_contacts import chosen_by_one, over, over_own_contacts
+from vmach.diagnosis.inference.own_contacts import chosen_by_one, over_own_contacts
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.residuals.job_survey import survey_job
@@ -137,7 +137,7 @@ def test_contacts_that_hide_an_effect_are_exchanged_for_its_own(job):
     weighing = prepare_weighing(survey_job(job(10.0, NOISE_UM)))
     label, survey = chosen_by_one(weighing)
     assert label.startswith("lateral_play X")
-    other = over(survey, weighing.effects)
+    other = prepare_weighing(survey, weighing.effects)
     sense = [np.sign(end - begin) for _, begin, end in GROOVES for _ in PLACES]
     true = [height_um(10.0, p, s) for s, p in zip(sense, 3 * PLACES, strict=True)]
     off = [np.abs(at_contacts_um(w.survey, 10.0) - true).max() for w in (weighing, other)]

@@ -32,9 +32,6 @@ _TRIED = 3
 #: candidates that are tried beside an impossible size; chosen: on a part that was looked at the one
 #: that was missing came fourth
 _MORE = 6
-#: candidates that are tried plainly where nothing leads on; chosen: on a part that was looked at
-#: the one that was missing came eighth
-_MANY = 12
 #: pairs that are fitted in the place of one effect; twelve that helped were among the first three
 _PAIRS = 6
 #: log odds by which one may lie behind the effect whose place it takes; in none of a few hundred
@@ -76,7 +73,7 @@ def search_exchanging(weighing: Weighing, here: Explanation) -> Explanation:
 
 def search_beyond(weighing: Weighing, here: Explanation) -> Explanation:
     """A more probable set, by all moves; a large discrepancy is filled where none of them helps."""
-    moves = (_added, _uncovered, _afresh, _exchanged, _elsewhere, _split, _added_of_many, _paired)
+    moves = (_added, _uncovered, _afresh, _exchanged, _split, _paired)
     here = _led_on(weighing, here, moves)
     for _ in range(_MOVES):
         filled = _filled(weighing, here, moves)
@@ -151,16 +148,6 @@ def _added(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
         yield weighing.extend(here, k)
 
 
-def _added_of_many(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
-    """One effect more, of many: what the others then leave open may make up for what it costs."""
-    for start in _starts(here):
-        ranked = _ranked(weighing, weighing.gains(start), here.labels)[:_MANY]
-        plain = {k: weighing.extend(start, k, refine=False, resize=False).score for k in ranked}
-        for k in sorted(ranked, key=lambda k: -round(plain[k], _TIE))[:_TRIED]:
-            if plain[k] > start.score + _HOPELESS:
-                yield weighing.extend(start, k)
-
-
 def _uncovered(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     """One effect more, that a large discrepancy hides: beside little of it, which may then grow."""
     little = beside_little(here)
@@ -198,21 +185,6 @@ def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
             for child in _filled_up(weighing, others, here.labels, count, least):
                 if child.score > least:
                     yield weighing.explain(child.terms, child.posterior.sizes)
-
-
-def _elsewhere(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
-    """One effect less, and another clearly elsewhere without that; one more where it helps."""
-    least = here.score - _NEAR
-    for gone, kept in itertools.permutations(range(len(here.terms)), 2):
-        others = weighing.without(here, sorted((gone, kept)), resize=False)
-        k = weighing.index_of(here.terms[kept].label)
-        as_it_is = weighing.without(here, [gone], resize=False).score
-        if others.score + weighing.gains(others)[k] < as_it_is + CLEARLY:
-            continue
-        afresh = weighing.extend(others, k, resize=False)
-        for child in (afresh, *_filled_up(weighing, afresh, here.labels, 1, least)):
-            if child.score > least:
-                yield weighing.explain(child.terms, child.posterior.sizes)
 
 
 def _filled(weighing: Weighing, here: Explanation, moves: Sequence[_Move]) -> Explanation:

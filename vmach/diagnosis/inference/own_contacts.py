@@ -7,7 +7,7 @@ others. A linear law holds between two choices.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from vmach.diagnosis.fitted_parameters import fitted_values
 from vmach.diagnosis.inference.bank import Bank
 from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
-from vmach.effects import AtAnyMoment, Effect, EffectInstance
+from vmach.effects import AtAnyMoment, EffectInstance
 from vmach.fit.base import Base
 from vmach.fit.candidates import Candidate, candidate_of, gather_candidates
 from vmach.fit.marginal_likelihood import Effects, Posterior
@@ -23,7 +23,7 @@ from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
 from vmach.prediction.made_surface import FLOOR
 
-__all__ = ["chosen_by_all", "chosen_by_one", "over", "over_own_contacts"]
+__all__ = ["chosen_by_all", "chosen_by_one", "over_own_contacts"]
 
 #: what other contacts change of the readings, in stated uncertainties, before they matter
 _NOTABLE = 0.25
@@ -85,12 +85,6 @@ def chosen_by_one(weighing: Weighing) -> tuple[str, Survey] | None:
     )
     gain, label, moved = max(trials, key=lambda t: t[0], default=(0.0, "", weighing.survey))
     return (label, moved) if gain >= CLEARLY else None
-
-
-def over(survey: Survey, effects: Iterable[Effect]) -> Weighing:
-    """Effects over the contacts of a survey, and nothing known of its noise."""
-    candidates, excluded = gather_candidates(survey, effects)
-    return Weighing(survey, candidates, excluded=excluded)
 
 
 def _moves_floors(survey: Survey, candidate: Candidate) -> bool:

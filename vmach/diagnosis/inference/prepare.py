@@ -1,4 +1,4 @@
-"""A weighing of every candidate over the readings of a survey."""
+"""A weighing of candidates over the readings of a survey, and nothing known of its noise."""
 
 from __future__ import annotations
 

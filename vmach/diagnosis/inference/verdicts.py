@@ -17,12 +17,8 @@ from vmach.diagnosis.inference.moves import (
     without_needless,
 )
 from vmach.diagnosis.inference.noise import beside_own_noise, noise_before
-from vmach.diagnosis.inference.own_contacts import (
-    chosen_by_all,
-    chosen_by_one,
-    over,
-    over_own_contacts,
-)
+from vmach.diagnosis.inference.own_contacts import chosen_by_all, chosen_by_one, over_own_contacts
+from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.remains import is_structure, remains_um, sizes_um
 from vmach.diagnosis.inference.rules import KEPT
 from vmach.diagnosis.inference.support import Support, supports_of
@@ -167,7 +163,7 @@ def led(weighing: Weighing) -> tuple[Weighing, Explanation, Forms, Explanation]:
     effects = weighing.effects
     weighing.release()
     del weighing, found, forms, grown  # large, and of other contacts
-    return _led(over(moved, effects), by_forms=True)
+    return _led(prepare_weighing(moved, effects), by_forms=True)
 
 
 def _led(
@@ -183,7 +179,7 @@ def _led(
     if few is weighing.survey:
         weighing, found = seek(weighing)
     else:
-        some, found = seek(over(few, weighing.effects))
+        some, found = seek(prepare_weighing(few, weighing.effects))
         terms, grown = found.terms, Forms(some, found).grown(found)
         sure = frozenset() if _forms_of(grown) else found.labels & grown.labels
         some.release()
@@ -219,7 +215,8 @@ def _sought(weighing: Weighing) -> tuple[Weighing, Explanation]:
     chosen, tails = chosen_by_one(weighing), noise_before(weighing)
     weighing, found = _settled(weighing, weighing.nothing(), search)
     if chosen is not None and chosen[0] not in found.labels:
-        weighing, found = _better(weighing, found, over(chosen[1], weighing.effects))
+        there = prepare_weighing(chosen[1], weighing.effects)
+        weighing, found = _better(weighing, found, there)
     if not tails.is_plain and not weighing.base.noise.is_plain:
         tailed = weighing.with_candidates(weighing.candidates).with_noise(tails)
         weighing, found = _better(weighing, found, tailed)

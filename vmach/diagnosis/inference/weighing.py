@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
 
 import numpy as np
-from scipy.special import gammaln
 
 from vmach.base.memory import give_back_free_memory
 from vmach.diagnosis.gates.absorbing import stated_slack
 from vmach.diagnosis.gates.parameters_in_bounds import log_factor_of_bounds
 from vmach.diagnosis.inference.bank import Bank
 from vmach.diagnosis.inference.careful_fit import careful_fit
-from vmach.diagnosis.inference.rules import UNMEASURED
+from vmach.diagnosis.inference.priors import Priors, log_odds_of, log_probability_of_count
 from vmach.effects import Effect
 from vmach.fit.base import Base
 from vmach.fit.candidates import Candidate
@@ -95,21 +94,20 @@ class Weighing:
     ) -> None:
         self.survey, self.candidates = survey, list(candidates)
         self.excluded = tuple(excluded)
-        self._list()
+        self._list(Priors.over(survey, self.candidates))
         self.members = members_of(survey, self._plain_mm())
-        self._log_priors: dict[str, float] = {}
         self._take(noise or FeatureNoise(survey.u_mm, survey.group, np.ones(len(survey))))
 
-    def _list(self) -> None:
-        """Where each candidate stands, and those of which a machine has an unknown number."""
+    def _list(self, priors: Priors) -> None:
+        """Where each candidate stands, and how probable each is beforehand."""
         self._place = {c.label: k for k, c in enumerate(self.candidates)}
-        every = self.candidates
-        self._counted = {c.label for c in every if not self._is_usual(c.effect, c.target)}
+        self.priors = priors
 
     def _plain_mm(self) -> np.ndarray:
         """What laws of one amplitude do that every machine has and nobody measured, (n, k)."""
-        every = [c for c in self.candidates if c.label not in self._counted]
-        plain = [c.signatures_mm[:, 0] for c in every if c.signatures_mm.shape[1:] == (1, 1)]
+        every = zip(self.candidates, self.priors.is_counted, strict=True)
+        usual = [c.signatures_mm for c, is_counted in every if not is_counted]
+        plain = [own[:, 0] for own in usual if own.shape[1:] == (1, 1)]
         return np.hstack([np.zeros((len(self.survey), 0)), *plain])
 
     def _take(self, noise: FeatureNoise) -> None:
@@ -182,53 +180,31 @@ class Weighing:
 
     def with_candidates(self, candidates: Sequence[Candidate]) -> Self:
         """The same with other candidates."""
+        return self._of(candidates, Priors.over(self.survey, candidates))
+
+    def with_others(
+        self, own: Sequence[Candidate], others: Sequence[Candidate], log_odds: Sequence[float]
+    ) -> Self:
+        """The same with some of its candidates, and others whose log odds are given."""
+        places = [self.index_of(c.label) for c in own]
+        other = self._of([*own, *others], self.priors.then(places, log_odds))
+        other.tried = {}
+        return other
+
+    def _of(self, candidates: Sequence[Candidate], priors: Priors) -> Self:
         other = copy.copy(self)
         other.candidates = list(candidates)
-        other._list()
+        other._list(priors)
         other._forget()
         return other
 
-    def of_candidates(self, known: Sequence[Candidate], log_priors: Mapping[str, float]) -> Self:
-        """The same with other candidates: some of its own, and those whose prior is given."""
-        other = self.with_candidates(known)
-        other.tried = {}
-        own = (c for c in known if c.label not in log_priors)
-        other._log_priors = {c.label: self.log_prior(c) for c in own} | dict(log_priors)
-        other._counted -= log_priors.keys()
-        return other
-
-    def _is_usual(self, effect: Effect, target: str) -> bool:
-        """Whether every machine has some of it, and how much nobody measured or is the question."""
-        machine = self.survey.job.machine
-        return effect.is_unmeasured(machine, target) or self.survey.is_tested(effect, target)
-
     def prior_of(self, effect: Effect, target: str) -> float:
         """Log odds for an effect beforehand, beside one that machines often have."""
-        if self._is_usual(effect, target):
-            return UNMEASURED
-        return -effect.rarity
-
-    def log_prior(self, candidate: Candidate) -> float:
-        """Log prior odds of a candidate, even at most: none is there before any reading says so."""
-        if candidate.label in self._log_priors:
-            return self._log_priors[candidate.label]
-        prior = self.prior_of(candidate.effect, candidate.target)
-        return min(prior - float(np.log(len(self.candidates))), 0.0)
+        return log_odds_of(self.survey, effect, target)
 
     def _count(self, terms: Sequence[Term]) -> int:
-        """How many of some effects are ordinary ones."""
-        return sum(term.label in self._counted for term in terms)
-
-    def _log_prior_of_count(self, count: int) -> float:
-        """Log probability of so many effects, beside what all sets share: one more has even odds.
-
-        Sets of k effects share it; `log_prior` alone would make k a Poisson variable of mean one.
-
-        Source: derived here, from k! (N - k)! / N! of a set as in J. Scott and J. Berger, Bayes
-        and empirical-Bayes multiplicity adjustment in the variable-selection problem, Ann. Stat.
-        38 (2010) 2587, with a geometric number of mean one.
-        """
-        return float(gammaln(count + 1) - count * np.log(2.0))
+        """How many of some effects are counted ones."""
+        return sum(bool(self.priors.is_counted[self.index_of(term.label)]) for term in terms)
 
     def index_of(self, label: str) -> int:
         """Which candidate has a given name and target."""
@@ -313,13 +289,13 @@ class Weighing:
         return np.concatenate([*widths, *(term.spread_of_inner for term in fit.terms)])
 
     def _log_prior_of(self, fit: JointFit) -> float:
-        total = self._log_prior_of_count(self._count(fit.terms))
+        total = log_probability_of_count(self._count(fit.terms))
         for k, term in enumerate(fit.terms):
-            candidate = self.candidates[self.index_of(term.label)]
-            looked_at = 1.0 if term.free_inner else len(candidate.grid)
+            place = self.index_of(term.label)
+            looked_at = 1.0 if term.free_inner else len(self.candidates[place].grid)
             if term.effect.is_sudden:
                 looked_at = self.survey.moments_like(term.effect, term.target, term.inner)
-            total += self.log_prior(candidate) - np.log(looked_at * len(WIDTHS))
+            total += self.priors.log_odds[place] - np.log(looked_at * len(WIDTHS))
             total -= 0.5 * float(np.sum(term.unusual**2)) + pull_of_prior(fit, k)
         return total
 
@@ -390,14 +366,7 @@ class Weighing:
     def gains(self, explanation: Explanation) -> np.ndarray:
         """Log odds of every candidate beside an explanation, at its sizes."""
         evidence = self.evidence(explanation)
-        return evidence.log_factor[:, 0] + self._log_priors_beside(self._count(explanation.terms))
-
-    def _log_priors_beside(self, count: int) -> np.ndarray:
-        """Log prior odds of every candidate beside a set with so many ordinary ones, (C,)."""
-        more = self._log_prior_of_count(count + 1) - self._log_prior_of_count(count)
-        return np.array(
-            [self.log_prior(c) + more * (c.label in self._counted) for c in self.candidates]
-        )
+        return evidence.log_factor[:, 0] + self.priors.beside(self._count(explanation.terms))
 
     def pair_gains(self, explanation: Explanation) -> np.ndarray:
         """Log odds of every two candidates beside an explanation, at its sizes, (C, C).
@@ -416,10 +385,8 @@ class Weighing:
             return odds
         firsts = [self.base.columns(self._at_best(k, explanation)) for k in asked]
         odds[asked] = self.bank.beside_each(explanation.posterior, firsts)
-        counts = [self._log_priors_beside(count + more) for more in (0, 1)]
         for k in asked:
-            is_counted = self.candidates[k].label in self._counted
-            odds[k] += gains[k] + counts[is_counted]
+            odds[k] += gains[k] + self.priors.beside(count + int(self.priors.is_counted[k]))
         odds[:, np.setdiff1d(np.arange(len(gains)), asked)] = -np.inf
         np.fill_diagonal(odds, -np.inf)
         return odds

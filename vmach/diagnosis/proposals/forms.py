@@ -270,9 +270,10 @@ class Forms:
     def _of(self, effects: Sequence[Candidate], forms: Sequence[Form]) -> Weighing:
         """A weighing of effects and forms, each of these once."""
         listed, every = len(self._columns), {form.label: form for form in forms}
-        return self._weighing.of_candidates(
-            [*effects, *(self._columns.candidate(f) for f in every.values())],
-            {label: -float(np.log(listed * f.looked_at)) for label, f in every.items()},
+        return self._weighing.with_others(
+            effects,
+            [self._columns.candidate(form) for form in every.values()],
+            [-float(np.log(listed * form.looked_at)) for form in every.values()],
         )
 
     def _left_mm(self, here: Explanation) -> tuple[np.ndarray, np.ndarray]:
