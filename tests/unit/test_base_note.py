@@ -71,3 +71,9 @@ def test_nothing_is_decided_by_the_words_of_a_note():
             ):  # fmt: skip
                 asked = ast.unparse(node.value)
                 assert asked not in ("note", "note.sentence", "note.text"), f"{path}:{node.lineno}"
+
+
+def test_counts_of_numpy_are_numbers_of_json():
+    note = Note.plain(Kind.ROWS, "rows", np.count_nonzero(np.array([1, 2]) > 1), "1")
+    (record,) = json.loads(json.dumps(note_records([note])))
+    assert record["size"] == 1

@@ -12,6 +12,8 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 __all__ = ["Kind", "Level", "Note", "in_file", "note_records"]
 
 
@@ -163,7 +165,8 @@ class Note:
 
     def record(self) -> dict[str, Any]:
         """As it stands in JSON: the attributes, and the whole as people read it in `text`."""
-        return asdict(self) | {"text": str(self)}
+        size = np.asarray(self.size).item()  # counts of numpy are no numbers of JSON
+        return asdict(self) | {"size": size, "text": str(self)}
 
 
 def in_file(notes: Iterable[Note], file: Path, line: int | None = None) -> tuple[Note, ...]:
