@@ -13,7 +13,7 @@ import pytest
 from tests.hidden_effects import program_runs
 from tests.hidden_effects.experiment import make_experiment
 from tests.hidden_effects.verdict import judge
-from tests.small_job import measurement, pocket_points, write_job, write_points
+from tests.small_job import PROGRAM, measurement, pocket_points, write_job, write_points
 from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.errors import InputError
@@ -132,6 +132,48 @@ def test_a_clock_and_an_order_are_one_too_many(tmp_path):
     add_columns(tmp_path / "points.csv", order=count, measured_s=count)
     with pytest.raises(InputError, match=r"points\.csv:1: both measured_s and order say when"):
         read_points_csv(tmp_path / "points.csv")
+
+
+TWO_PARTS = PROGRAM.replace("M5\nM30", "G55\nG0 X0 Y0 Z5" + PROGRAM.split("Z5", 1)[1])
+SHIFT_UM, NOISE_UM = np.array([25.0, -40.0, 30.0]), 0.5
+
+
+def survey_of_two_parts(folder, clamping):
+    """A pocket in G54 and one in G55; the second lies elsewhere by some 50 um where it was read."""
+    folder.mkdir()
+    job = write_job(folder, {})
+    (folder / "part.nc").write_text(TWO_PARTS)
+    text = job.read_text().replace("max_mm = [60", "max_mm = [160")
+    job.write_text(
+        text.replace("[stock]", "G55 = [-100, -150, -200]\n[stock]").replace(
+            "schema = 1", 'schema = 1\nworkpiece_zero = "G54"'
+        )
+    )
+    names, points, normals = pocket_points()
+    rows, random = [], np.random.default_rng(12)
+    for k, shift_um in enumerate([np.zeros(3), SHIFT_UM]):
+        here = points + np.array([100.0 * k, 0.0, 0.0])
+        away_um = normals @ shift_um + random.normal(size=len(here), scale=NOISE_UM)
+        told = np.hstack([here, normals, here + UM * away_um[:, None] * normals])
+        for name, row in zip(names, told, strict=True):
+            cells = [len(rows) + 1, f"{name} {k}", *row, NOISE_UM, clamping[k]]
+            rows.append(",".join(map(str, cells)))
+    heading = "id,feature,x,y,z,i,j,k,mx,my,mz,u_um,clamping"
+    (folder / "points.csv").write_text("\n".join([heading, *rows]) + "\n")
+    return survey_job(job)
+
+
+def test_parts_that_were_measured_one_by_one_say_nothing_of_their_work_offsets(tmp_path):
+    """A part lies anyhow in each clamping; in one clamping the machine shifted it between them."""
+    alone = diagnose(survey_of_two_parts(tmp_path / "alone", "ab"))
+    assert alone.verdict == "nothing"
+    (note,) = (n for n in alone.notes if n.place == "clampings")
+    assert note.sentence.endswith("such as a wrong work offset: they are those of G54 and G55")
+    (found,) = diagnose(survey_of_two_parts(tmp_path / "together", "aa")).findings
+    assert found.effect.name in {"fixture", "datum_shift"}  # G55 follows G54: both say the same
+    for axis, shift_um in zip("xyz", SHIFT_UM, strict=True):
+        low, high = found.interval_95[f"shift_{axis}_um"]
+        assert low < shift_um < high
 
 
 def moved_again(rows, place):

@@ -19,10 +19,11 @@ from vmach.diagnosis.inference.weighing import Weighing
 from vmach.diagnosis.like_drift import like_drift
 from vmach.diagnosis.next_test.blind_spots import BlindSpot, blind_spots
 from vmach.diagnosis.next_test.next_measurement import NextMeasurement, next_measurement
-from vmach.diagnosis.parts_of_rest import of_device_mm, remains_by_um
+from vmach.diagnosis.parts_of_rest import clamped_by_work_offset, of_device_mm, remains_by_um
 from vmach.diagnosis.proposals.proposal import Proposal
 from vmach.diagnosis.residuals import Residuals
 from vmach.diagnosis.residuals.where_it_fails import Failure, where_it_fails
+from vmach.fit.noise.measuring_machine import CLAMPINGS
 from vmach.fit.survey import Survey
 
 __all__ = ["Diagnosis", "diagnose", "not_followed"]
@@ -141,7 +142,7 @@ def diagnose(
             *_of_survey(found),
             *_doubtful_uncertainty(found),
             *_outliers(found),
-            *_device(notable),
+            *_device(notable, survey),
             *like_drift(found),
             *_cancelling(found, residuals.rms_um),
             *not_followed(found, residuals, of_device),
@@ -186,13 +187,15 @@ def _doubtful_uncertainty(found: Inference) -> tuple[Note, ...]:
     return ()
 
 
-def _device(notable_um: Mapping[str, float]) -> Iterator[Note]:
+def _device(notable_um: Mapping[str, float], survey: Survey) -> Iterator[Note]:
     """A note on each thing that the measuring machine did to the readings."""
     for name, size_um in notable_um.items():
         said = (
             f"{name}: {size_um:.2g} um RMS of the readings, counted as of the measurement; "
             "what the machine tool does alike cannot be told from it"
         )
+        if name == CLAMPINGS and (offsets := clamped_by_work_offset(survey)):
+            said += f", such as a wrong work offset: they are those of {' and '.join(offsets)}"
         yield Note.plain(Kind.SCATTER, said, size_um, "um", place=name)
 
 

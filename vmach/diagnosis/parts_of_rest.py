@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from gcode import WORK_OFFSETS
 from vmach.diagnosis.inference.remains import OF_DEVICE, effects_mm, rms_um, taken_mm
 from vmach.diagnosis.inference.verdicts import Inference
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.noise.measuring_machine import stated_of_device
+from vmach.fit.survey import Survey
 
-__all__ = ["of_device_mm", "remains_by_um"]
+__all__ = ["clamped_by_work_offset", "of_device_mm", "remains_by_um"]
 
 #: members of the discrepancy, for people
 _WORDS = {
@@ -64,3 +66,14 @@ def of_device_mm(weighing: Weighing, found: Explanation) -> dict[str, np.ndarray
             own = columns @ (whiten(columns).T @ white)
             taken[name] = own - survey.aligned(own[:, None])[:, 0]
     return taken
+
+
+def clamped_by_work_offset(survey: Survey) -> list[str]:
+    """Work offsets of which each is a clamping of its own; none where they are not."""
+    for m in survey.measurements:
+        if m.clamping is not None:
+            cut_in = m.states.moves.work_offset[m.states.move]
+            both = set(zip(m.clamping.tolist(), cut_in.tolist(), strict=True))
+            if len(both) == len(set(m.clamping.tolist())) == len(used := np.unique(cut_in)) > 1:
+                return [WORK_OFFSETS[k - 1] for k in used]
+    return []

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from vmach.base.note import Kind, note_records
 from vmach.diagnosis.diagnose import Diagnosis
 from vmach.diagnosis.findings import Finding
@@ -169,6 +171,8 @@ def as_text(found: Diagnosis, *, program: str | None = None) -> str:
     fell = ", ".join(f"{rms[state]:.2f} um {state}" for state in states)
     fell = fell if len(states) > 1 else f"{rms['before']:.2f} um"
     noise = f"{expected(found.residuals)} account for {rms['expected_noise']:.2f} um"
+    of_device = np.linalg.norm([*found.of_device_um.values()])
+    noise += f", the measuring for {of_device:.2g} um" if of_device else ""
     lines.append(f"RMS of measured minus predicted: {fell}; {noise}")
     of_each = found.residuals.rms_um_by_measurement
     lines += [

@@ -180,7 +180,7 @@ class Posterior:
         square -= root.seen_members @ root.seen_members + root.seen_effects @ root.seen_effects
         half = 0.5 * square + self.base.degrees * np.log(k)
         half += self.members.half_log_determinant + np.log(np.diag(root.own)).sum()
-        log_prior = self.sizes.log_prior(self.base.members.limits) + self.effects.log_prior
+        log_prior = self.sizes.log_prior(*self.base.members.prior_of_sizes) + self.effects.log_prior
         return float(self.base.constant - half + log_prior)
 
     def slope_and_information(self) -> tuple[np.ndarray, np.ndarray]:
@@ -211,9 +211,9 @@ class Posterior:
         found[0] = found[:, 0] = variance - squared.sum(axis=0)
         found[0, 0] = self.base.degrees - len(member) + squared.sum()
         self._add_absent(slope, found)
-        prior, limits = self.sizes, self.base.members.limits
-        information = 2.0 * found + prior.information_of_prior(limits)
-        return slope + prior.slope_of_prior(limits), information
+        prior, beforehand = self.sizes, self.base.members.prior_of_sizes
+        information = 2.0 * found + prior.information_of_prior(*beforehand)
+        return slope + prior.slope_of_prior(*beforehand), information
 
     def _add_absent(self, slope: np.ndarray, information: np.ndarray) -> None:
         """To both, what members that are absent would do if they were a little there.

@@ -25,6 +25,7 @@ from vmach.fit.noise.measuring_machine import (
     stated_of_device,
     warming_of_instruments,
 )
+from vmach.fit.sizes import USUAL_SIZE
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import condensed, orthonormal
 from vmach.measurements import Measurement
@@ -94,9 +95,15 @@ class Members:
         object.__setattr__(self, "columns_mm", tuple(others))
 
     @cached_property
-    def limits(self) -> np.ndarray:
-        """Size of each member, in the noise that readings show, from which on it is an effect."""
-        return np.array([_NO_DRIFT if name == _TIME else np.inf for name in self.names])
+    def prior_of_sizes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Of each member the usual size, and that from which on it is an effect.
+
+        The former in u, the latter in the noise that readings show. A part lies anyhow in each of
+        several clampings, as in one: no shift is less likely than another.
+        """
+        usual = [np.inf if name == CLAMPINGS else USUAL_SIZE for name in self.names]
+        limits = [_NO_DRIFT if name == _TIME else np.inf for name in self.names]
+        return np.array(usual), np.array(limits)
 
 
 def members_of(survey: Survey, plain_mm: np.ndarray | None = None, *, kept: float = 0.0) -> Members:
