@@ -272,3 +272,17 @@ def test_rounded_readings_are_as_uncertain_as_their_rounding(job, tmp_path, digi
     path = without_uncertainty(file_of(tmp_path, points, normals, points))
     part, _ = measure_part(job, path)
     assert part.u_mm == pytest.approx(10.0**-digits / np.sqrt(12.0))
+
+
+def test_measured_points_far_beside_the_nominal_ones_are_asked_about(job, tmp_path):
+    """Two places of a floor exchanged: their deviations say nothing of it."""
+    _, points, normals = pocket_points()
+    rows = np.flatnonzero(normals[:, 2] == 1.0)[[0, -1]]
+    measured = points.copy()
+    measured[rows] = points[rows[::-1]]
+    part, _ = measure_part(job, file_of(tmp_path, points, normals, measured))
+    (asked,) = (note for note in part.notes if note.kind is Kind.FAR)
+    assert asked.level is Level.QUESTION and asked.size == pytest.approx(24.0 * np.hypot(1, 0.5))
+    assert asked.sentence.startswith(f"2 of {len(points)} measured points lie more than 1 mm")
+    part, _ = measure_part(job, file_of(tmp_path, points, normals, points))
+    assert not any(note.kind is Kind.FAR for note in part.notes)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tests.small_job import pocket_points, write_job, write_points
+from vmach.base.note import Level
 from vmach.diagnosis.residuals.job_survey import survey_job
 
 UM = 1e-3
@@ -11,7 +12,7 @@ UM = 1e-3
 TURNED_MM = 1e-7
 
 
-def measured_again(folder, away_um, order=None):
+def measured_again(folder, away_um, order=None, clamping=None):
     """The survey of a pocket of which every point was measured as often as rows of `away_um`."""
     job = write_job(folder, {})
     _, points, normals = pocket_points()
@@ -22,6 +23,9 @@ def measured_again(folder, away_um, order=None):
         if order is not None:
             heading += ",order"
             rows = [f"{row},{at}" for row, at in zip(rows, order[k], strict=True)]
+        if clamping is not None:
+            heading += ",clamping"
+            rows = [f"{row},{clamping[k]}" for row in rows]
         texts += rows
     (folder / "points.csv").write_text("\n".join([heading, *texts]) + "\n")
     return survey_job(job).measurements[0]
@@ -51,3 +55,27 @@ def test_means_stand_in_the_order_of_measuring(tmp_path):
 def test_places_that_were_measured_once_stay_as_they_are(tmp_path):
     part = measured_again(tmp_path, np.zeros((1, len(pocket_points()[0]))))
     assert not any("times" in n.sentence for n in part.notes)
+
+
+@pytest.mark.parametrize(("away_um", "is_asked"), [(0.5, False), (9.0, True)])
+def test_repeats_that_differ_by_far_more_than_u_um_are_asked_about(tmp_path, away_um, is_asked):
+    """A bore that is smaller in the second file was not measured twice: it is another part's."""
+    names, points, _ = pocket_points()
+    away = np.random.default_rng(9).normal(size=(2, len(points)), scale=0.3)
+    away[1, names == "bore"] += away_um
+    (tmp_path / "plain").mkdir()
+    (tmp_path / "clamped").mkdir()
+    plain = measured_again(tmp_path / "plain", away)
+    clamped = measured_again(tmp_path / "clamped", away, clamping="ab")
+    for part, said in [(plain, "several parts, or clampings?"), (clamped, "several parts?")]:
+        asked = [n for n in part.notes if n.level is Level.QUESTION and said in n.sentence]
+        assert len(asked) == is_asked
+    assert len(clamped) == 2 * len(plain)
+
+
+def test_another_pose_in_each_clamping_is_no_other_part(tmp_path):
+    _, points, normals = pocket_points()
+    away = np.random.default_rng(9).normal(size=(2, len(points)), scale=0.3)
+    away[1] += normals @ [40.0, -30.0, 25.0] + np.cross(points, normals) @ [0.3, -0.2, 0.5]
+    part = measured_again(tmp_path, away, clamping="ab")
+    assert not any("several parts" in n.sentence for n in part.notes)

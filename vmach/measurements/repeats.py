@@ -20,7 +20,15 @@ from vmach.base.units import um_from_mm
 from vmach.errors import InputError
 from vmach.measurements.measurement import Measurement
 
-__all__ = ["check_degrees", "mean_of_repeats"]
+__all__ = ["check_degrees", "clampings_differ", "mean_of_repeats"]
+
+#: readings of one place that differ by so many times u_um are of several parts or clampings; as
+#: far as stated uncertainties are taken to be right
+_DOUBTFUL = 2.0
+#: fewer readings of places that were read before say little of their scatter: of 20 it is
+#: uncertain by a third (GUM, table E.1)
+_FEWEST = 20
+_SEVERAL = "each part of a batch needs a job of its own"
 
 
 def mean_of_repeats(measurement: Measurement, alike: Sequence[np.ndarray]) -> Measurement:
@@ -51,12 +59,50 @@ def mean_of_repeats(measurement: Measurement, alike: Sequence[np.ndarray]) -> Me
         f"{np.count_nonzero(times > 1)} places were measured up to {times.max()} times, their "
         f"means count; readings repeat to {um_from_mm(np.sqrt(scatter)):.2g} um"
     )
-    note = Note.plain(Kind.REPEAT, said, int(times.max()), "1", file=measurement.name)
+    u_mm = float(np.median(measurement.u_mm))
+    if is_doubtful := bool(np.sqrt(scatter) > _DOUBTFUL * u_mm):
+        said += f" where u_um says {um_from_mm(u_mm):.2g} um: are these several parts, or "
+        said += f"clampings? A column clamping tells clampings apart; {_SEVERAL}"
+    note = (Note.question if is_doubtful else Note.plain)(
+        Kind.REPEAT, said, int(times.max()), "1", file=measurement.name
+    )
     told = tuple(note for note in measurement.notes if note.kind is not Kind.REPEAT)
     at = None if measurement.measured_at is None else mean(measurement.measured_at)
     one = replace(measurement, notes=told).keep(first, note)
     found = replace(one, measured_mm=read, measured_at=at)
     return found if at is None else found.keep(np.argsort(at, kind="stable"))
+
+
+def clampings_differ(
+    measurement: Measurement, alike: Sequence[np.ndarray], residual_mm: np.ndarray
+) -> tuple[Note, ...]:
+    """A question where one clamping shows another part than the next.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        P readings.
+    alike : sequence of (P, ...) array
+        What readings of one place have in common.
+    residual_mm : (P,) float64
+        Readings without the pose of the part in each clamping.
+    """
+    first, of = alike_rows([*alike])
+    again = len(of) - len(first)
+    if measurement.clamping is None or again < _FEWEST:
+        return ()
+    mean = np.bincount(of, residual_mm) / np.bincount(of)
+    scatter = float(np.sqrt(np.sum((residual_mm - mean[of]) ** 2) / again))
+    u_mm = float(np.median(measurement.u_mm))
+    if scatter <= _DOUBTFUL * u_mm:
+        return ()
+    said = (
+        f"readings of one place differ by {um_from_mm(scatter):.2g} um from clamping to clamping, "
+        f"the pose of each taken off, where u_um says {um_from_mm(u_mm):.2g} um: are these several "
+        f"parts? {_SEVERAL[0].upper()}{_SEVERAL[1:]}"
+    )
+    size_um = float(um_from_mm(scatter))
+    return (Note.question(Kind.REPEAT, said, size_um, "um", file=measurement.name),)
 
 
 def check_degrees(measurement: Measurement, path: Path) -> None:

@@ -19,12 +19,14 @@ from vmach.measurements.instrument import Instrument
 from vmach.measurements.measurement import Measurement
 from vmach.measurements.neighbours import apart_from_neighbours
 from vmach.measurements.plausibility.alternatives import alternative_notes
+from vmach.measurements.plausibility.gross_mistakes import gross_mistake
 from vmach.measurements.plausibility.part_alternatives import part_alternatives
 from vmach.measurements.plausibility.part_check import (
     FEW,
     FINEST_MM,
     MANY_UNCUT,
     astray,
+    beside_notes,
     beside_pose_mm,
     check_aligned,
     check_astray,
@@ -37,7 +39,7 @@ from vmach.measurements.plausibility.part_check import (
     some_of,
 )
 from vmach.measurements.plausibility.tool_alternatives import tool_that_would_cut
-from vmach.measurements.repeats import check_degrees, mean_of_repeats
+from vmach.measurements.repeats import check_degrees, clampings_differ, mean_of_repeats
 from vmach.measurements.stretches import stretches_of
 from vmach.nominal.points import SurfacePoints, read_points_csv
 from vmach.nominal.seat import Seat, seat_of
@@ -94,14 +96,18 @@ def measure_part(
     prediction = predict_surface(preparation, seated, Variant.ABBE, effects)
     cut = np.flatnonzero(prediction.is_cut)
     check_cut(preparation, points, len(cut), path=path)
-    check_aligned(points, seat, path)
+
+    def cause() -> str | None:
+        return gross_mistake(_where_cut(points, prediction, path.name), preparation.job)
+
+    check_aligned(points, seat, path, cause)
     doubts = check_unit_of_points(preparation, points, prediction.is_cut, path)
     part = _where_cut(seated, prediction, path.name).made_beside(()).noted(*doubts)
     # the pose stays in the readings, which leave it free, without what of a turn is not linear
     pose_mm = seat.deviation_mm(points.point_mm, points.normal)[cut]
     part = replace(part, measured_mm=part.measured_mm + pose_mm)
-    check_near(part, path)
-    check_astray(_rows_of(seated, cut), path)
+    check_near(part, path, cause)
+    check_astray(_rows_of(seated, cut), path, cause)
     part = _without_repeats(part, _rows_of(points, cut))
     is_stated = points.u_mm is not None
     if is_stated:
@@ -109,6 +115,9 @@ def measure_part(
     assert part.surface is not None
     place = part.surface.points_mm, part.surface.normals
     part = mean_of_repeats(part, place)
+    if is_stated:
+        place = part.surface.points_mm, part.surface.normals
+        part = part.noted(*clampings_differ(part, place, beside_pose_mm(part)))
     check_degrees(part, path)
     if not is_stated:
         u_mm = np.full(len(part), _uncertainty_mm(part, points))
@@ -141,7 +150,8 @@ def _seated(points: SurfacePoints, seat: Seat) -> SurfacePoints:
     What the measured digits tell, as how they are rounded, is said of them as they are.
     """
     assert points.measured_mm is not None
-    notes = (*points.notes, *rounding_notes(points))
+    at_place = replace(points, measured_mm=seat.taken_back(points.measured_mm))
+    notes = (*points.notes, *rounding_notes(points), *beside_notes(at_place))
     if (far := seat.size_mm(points)) > _NOTABLE_MM:
         by = ", ".join(f"{value:.3f}" for value in np.round(seat.shift_of_zero_mm, 3) + 0.0)
         said = (
@@ -149,7 +159,7 @@ def _seated(points: SurfacePoints, seat: Seat) -> SurfacePoints:
             f"({by}) mm: taken for its pose on the measuring machine"
         )
         notes = (*notes, Note.plain(Kind.ALIGNMENT, said, far, "mm", place="mx my mz"))
-    return replace(points, measured_mm=seat.taken_back(points.measured_mm), notes=notes)
+    return replace(at_place, notes=notes)
 
 
 _NO_UNCERTAINTY = (

@@ -6,7 +6,7 @@ Source: JCGM 100:2008 (GUM), 4.3.7: rounding to a step s has the standard uncert
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +29,7 @@ __all__ = [
     "FINEST_MM",
     "MANY_UNCUT",
     "astray",
+    "beside_notes",
     "beside_pose_mm",
     "check_aligned",
     "check_astray",
@@ -48,6 +49,8 @@ _MOST_OF_THEM = 0.5
 #: a measured part whose points lie further away than this (median) is another part, or has
 #: another zero; a single point this far beside the others is no measurement of the surface
 _OTHER_PART_MM = 0.5
+#: a probe touches within some tenths of the place that it is sent to
+_BESIDE_MM = 1.0
 #: a motion that leaves points this near (median, mm) is what was done to them
 _EXPLAINED_MM = 0.1
 #: share of the readings up to which odd ones are chips under the probe; more have a cause
@@ -213,7 +216,9 @@ def _is_within_reach(preparation: Preparation, points_mm: np.ndarray) -> bool:
     return bool(((points_mm >= low) & (points_mm <= high)).all())
 
 
-def check_aligned(points: SurfacePoints, seat: Seat, path: Path) -> None:
+def check_aligned(
+    points: SurfacePoints, seat: Seat, path: Path, cause: Callable[[], str | None]
+) -> None:
     """Refuse measured points that lie nowhere near the nominal ones, or have another zero.
 
     Parameters
@@ -223,6 +228,8 @@ def check_aligned(points: SurfacePoints, seat: Seat, path: Path) -> None:
         The motion that brings the nominal points to the measured ones.
     path : Path
         The file.
+    cause : callable
+        Which tool or work offset explains it, if one does.
 
     Raises
     ------
@@ -245,16 +252,13 @@ def check_aligned(points: SurfacePoints, seat: Seat, path: Path) -> None:
         f"the measured points are {apart:.4g} mm from the nominal ones (median)",
         file=path,
         accepted=f"measured points within {_OTHER_PART_MM} mm of the nominal surface",
-        hint=why or "is this the measurement of this part, aligned to its datums?",
+        hint=cause() or why or "is this the measurement of this part, aligned to its datums?",
     )
 
 
 def _is_on_normals(points: SurfacePoints) -> bool:
     """Whether most measured points lie on the normals of the nominal ones: none tells its place."""
-    along = points.measured_deviation_mm[:, None] * points.normal
-    assert points.measured_mm is not None
-    beside = np.linalg.norm(points.measured_mm - points.point_mm - along, axis=1)
-    return bool(np.median(beside) <= _EXPLAINED_MM)
+    return bool(np.median(_beside_normals_mm(points)) <= _EXPLAINED_MM)
 
 
 def _is_elsewhere(points: SurfacePoints, seat: Seat) -> bool:
@@ -275,7 +279,7 @@ def astray(deviation_mm: np.ndarray) -> np.ndarray:
     return np.abs(deviation_mm) >= _OTHER_PART_MM
 
 
-def check_astray(points: SurfacePoints, path: Path) -> None:
+def check_astray(points: SurfacePoints, path: Path, cause: Callable[[], str | None]) -> None:
     """Refuse a file where more than a few points lie astray, the part's pose taken off.
 
     Raises
@@ -294,7 +298,8 @@ def check_astray(points: SurfacePoints, path: Path) -> None:
         file=path,
         line=None if points.line is None else int(points.line[first]),
         accepted=f"{FEW:.0%} of them at most, which are then left out",
-        hint="do x, y, z and mx, my, mz of a row belong together, and is this the finished part?",
+        hint=cause()
+        or "do x, y, z and mx, my, mz of a row belong together, and is this the finished part?",
     )
 
 
@@ -322,7 +327,7 @@ def rounding_notes(points: SurfacePoints) -> tuple[Note, ...]:
     return (Note.question(Kind.ROUNDING, said, step_mm, "mm", place="mx my mz"),)
 
 
-def check_near(part: Measurement, path: Path) -> None:
+def check_near(part: Measurement, path: Path, cause: Callable[[], str | None]) -> None:
     """Refuse points that fit the program's surfaces by chance only.
 
     Raises
@@ -338,17 +343,51 @@ def check_near(part: Measurement, path: Path) -> None:
             f"the measured part is {away:.2g} mm from the predicted one (median, aligned)",
             file=path,
             accepted=f"within {_FAR_MM} mm",
-            hint="is this the measurement of the part that this program makes?",
+            hint=cause() or "is this the measurement of the part that this program makes?",
         )
 
 
 def beside_pose_mm(part: Measurement) -> np.ndarray:
-    """Measured minus predicted, (P,) mm, without the pose that most readings agree on."""
+    """Measured minus predicted, (P,) mm, without the pose that most readings agree on.
+
+    In each clamping that has readings enough the part has a pose of its own.
+    """
     assert part.surface is not None
     residual = part.measured_mm - part.predicted_mm
     arm_mm = part.surface.points_mm - part.surface.points_mm.mean(axis=0)
-    motion = motion_beside_odd_ones(arm_mm, part.sensing, residual)
-    return residual - np.hstack([part.sensing, np.cross(arm_mm, part.sensing)]) @ motion
+    moved = np.hstack([part.sensing, np.cross(arm_mm, part.sensing)])
+    rows = [np.full(len(part), True)]
+    if part.clamping is not None:
+        rows += [part.clamping == name for name in np.unique(part.clamping)]
+    for own in rows:
+        if np.count_nonzero(own) >= _FEWEST:
+            motion = motion_beside_odd_ones(arm_mm[own], part.sensing[own], residual[own])
+            residual[own] -= moved[own] @ motion
+    return residual
+
+
+def beside_notes(points: SurfacePoints) -> tuple[Note, ...]:
+    """A question where measured points lie beside the nominal ones, along the surface.
+
+    Their deviations along the normal may look right, and be those of another place.
+    """
+    beside = _beside_normals_mm(points)
+    rows = np.flatnonzero(beside > _BESIDE_MM)
+    if not len(rows):
+        return ()
+    said = (
+        f"{len(rows)} of {len(points)} measured points lie more than {_BESIDE_MM:g} mm beside the "
+        f"nominal ones, along the surface, {beside.max():.3g} mm at most, the first is "
+        f"{points.id[rows[0]]}: do x, y, z and mx, my, mz of a row belong together?"
+    )
+    return (Note.question(Kind.FAR, said, float(beside.max()), "mm", place="mx my mz"),)
+
+
+def _beside_normals_mm(points: SurfacePoints) -> np.ndarray:
+    """How far measured points lie from the normals of the nominal ones, (P,) mm."""
+    assert points.measured_mm is not None
+    along = points.measured_deviation_mm[:, None] * points.normal
+    return np.linalg.norm(points.measured_mm - points.point_mm - along, axis=1)
 
 
 def some_of(points: SurfacePoints, rows: np.ndarray) -> SurfacePoints:

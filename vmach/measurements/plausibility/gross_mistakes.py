@@ -1,0 +1,107 @@
+"""Which tool or work offset is not as the job says, where a part lies far from its prediction.
+
+Source: equations (6), (7) and (21) of docs/laws.md: what a tool's radius and length and a shift of
+one work offset do to a surface.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gcode import WORK_OFFSETS
+from vmach.job import Job
+from vmach.measurements.measurement import Measurement
+
+__all__ = ["gross_mistake"]
+
+#: a mistake explains a part whose readings, but for the share of odd ones, lie this near, mm; no
+#: machine of this kind errs by more
+_EXPLAINED_MM, _ODD = 0.1, 0.05
+
+
+@dataclass(frozen=True)
+class _Mistake:
+    """What tools or a work offset may have been: columns (P, k), one mm of each amount."""
+
+    tools: Sequence[int]
+    offset: str
+    columns: np.ndarray
+
+
+def gross_mistake(part: Measurement, job: Job) -> str | None:
+    """What to look at, where one mistake explains why readings lie far from the prediction.
+
+    Parameters
+    ----------
+    part : Measurement
+        Points that the program cuts, with whatever lies far off.
+    job : Job
+
+    Returns
+    -------
+    str or None
+        A question; None where the pose of the part explains them, or no single mistake does.
+    """
+    if _amounts_mm(part, np.zeros((len(part), 0))) is not None:
+        return None
+    for mistake in _mistakes(part):
+        amounts = _amounts_mm(part, mistake.columns)
+        if amounts is not None:
+            return _question(mistake, amounts, job)
+    return None
+
+
+def _amounts_mm(part: Measurement, columns: np.ndarray) -> np.ndarray | None:
+    """Least squares beside the pose, (k,) mm; None where it does not explain the readings."""
+    every = np.hstack([columns, part.nuisance])
+    residual = part.measured_mm - part.predicted_mm
+    found = np.linalg.lstsq(every, residual, rcond=None)[0]
+    is_odd = np.abs(residual - every @ found) > _EXPLAINED_MM
+    return found[: columns.shape[1]] if is_odd.mean() <= _ODD else None
+
+
+def _mistakes(part: Measurement) -> Iterator[_Mistake]:
+    """What may be wrong, the plain mistakes first."""
+    states, normal = part.states, part.sensing
+    across = np.hypot(normal[:, 0], normal[:, 1])
+    tools = np.unique(states.tool).tolist()
+    of_tool = {
+        n: -np.column_stack([across, normal[:, 2]]) * (states.tool == n)[:, None] for n in tools
+    }
+    for n in tools:
+        yield _Mistake([n], "", of_tool[n])
+    cut_in = states.moves.work_offset[states.move]
+    used = np.unique(cut_in).tolist()
+    for k in [*used[1:], used[0]] if len(used) > 1 else []:  # the first is the reference
+        yield _Mistake([], WORK_OFFSETS[k - 1], normal * (cut_in == k)[:, None])
+    for n, m in itertools.combinations(tools, 2):
+        yield _Mistake([n, m], "", np.hstack([of_tool[n], of_tool[m]]))
+
+
+def _question(mistake: _Mistake, amounts_mm: np.ndarray, job: Job) -> str:
+    if mistake.offset:
+        by = ", ".join(f"{value:.3f}" for value in np.round(amounts_mm, 3) + 0.0)
+        return f"what was cut in {mistake.offset} lies ({by}) mm away: is this work offset right?"
+    each = dict(zip(mistake.tools, amounts_mm.reshape(-1, 2).tolist(), strict=True))
+    said = " and ".join(f"tool {n} were {_other_size(*own)}" for n, own in each.items())
+    meant = {n: job.tools[n].diameter_mm + 2.0 * radius for n, (radius, _) in each.items()}
+    others = [job.tools[n].diameter_mm for n in reversed(mistake.tools)]
+    is_near = np.abs(np.subtract([*meant.values()], others)).max() <= 2.0 * _EXPLAINED_MM
+    if len(meant) > 1 and is_near:
+        return f"the part is as if {said}: were the two exchanged?"
+    return f"the part is as if {said}: is it that tool, and are its length and diameter right?"
+
+
+def _other_size(radius_mm: float, length_mm: float) -> str:
+    """In words; what is as small as what stays unexplained is not said."""
+    sizes = {"in diameter": 2.0 * radius_mm, "in length": length_mm}
+    said = [
+        f"{abs(size):.3f} mm {'larger' if size > 0 else 'smaller'} {what}"
+        for what, size in sizes.items()
+        if abs(size) > _EXPLAINED_MM
+    ]
+    return " and ".join(said) or "as it is"
