@@ -212,14 +212,15 @@ def _filled_up(
     most: int,
     least: float = -np.inf,
 ) -> Iterator[Explanation]:
-    """An explanation with ever more effects, while members and inner parameters stay.
+    """An explanation with ever more effects, while members and inner parameters but moments stay.
 
     The last of them has to make it more probable than the least, those before by their share.
     """
     for count in range(most, 0, -1):
         worth = (least - start.score) * (_SHARE if count > 1 else 1.0)
         leading = _leading(weighing, start, but | start.labels, worth)
-        children = (weighing.extend(start, k, refine=False, resize=False) for k in leading)
+        sudden = ((k, weighing.candidates[k].effect.is_sudden) for k in leading)
+        children = (weighing.extend(start, k, refine=r, resize=False) for k, r in sudden)
         best = max(children, key=lambda e: e.score, default=start)
         if best.score < start.score + _STEP:
             return
