@@ -624,7 +624,7 @@ def test_a_curve_that_a_part_alone_shows_has_no_level():
     )  # fmt: skip
     said = as_text(SimpleNamespace(
         verdict="named", findings=(finding,), proposals=(), weak=(), failures=(), blind_spots=(),
-        next_measurement=None, notes=(), remains_um=0.0,
+        next_measurement=None, notes=(), remains_um=0.0, of_device_um={},
         rms_um={"before": 2.0, "after": 1.0, "expected_noise": 1.0},
         residuals=SimpleNamespace(
             states=("before", "after"), rms_um_by_measurement=[],

@@ -12,8 +12,6 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 __all__ = ["Kind", "Level", "Note", "in_file", "note_records"]
 
 
@@ -165,7 +163,8 @@ class Note:
 
     def record(self) -> dict[str, Any]:
         """As it stands in JSON: the attributes, and the whole as people read it in `text`."""
-        size = np.asarray(self.size).item()  # counts of numpy are no numbers of JSON
+        # counts of numpy are no numbers of JSON
+        size = getattr(self.size, "item", lambda: self.size)()
         return asdict(self) | {"size": size, "text": str(self)}
 
 

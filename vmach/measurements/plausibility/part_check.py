@@ -216,8 +216,12 @@ def _is_within_reach(preparation: Preparation, points_mm: np.ndarray) -> bool:
     return bool(((points_mm >= low) & (points_mm <= high)).all())
 
 
+def _no_cause() -> None:
+    """Nothing that explains a part that lies far off."""
+
+
 def check_aligned(
-    points: SurfacePoints, seat: Seat, path: Path, cause: Callable[[], str | None]
+    points: SurfacePoints, seat: Seat, path: Path, cause: Callable[[], str | None] = _no_cause
 ) -> None:
     """Refuse measured points that lie nowhere near the nominal ones, or have another zero.
 
