@@ -82,7 +82,8 @@ def _guarded(
     @wraps(law)
     def watched(*arguments: Any, **parameters: Any) -> Any:
         count = len(arguments[0]) if arguments and isinstance(arguments[0], Circumstances) else 0
-        with blamed(file, label):
+        # what is no number is told below, once
+        with blamed(file, label), np.errstate(all="ignore"):
             found = law(*map(read_only, arguments), **parameters)
             found = list(found) if name in _LAZY else found  # its errors come while it runs
         try:

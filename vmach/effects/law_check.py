@@ -96,6 +96,7 @@ class _Trial:
                 f"displacements in mm, up to {_TOO_FAR_MM:g} mm",
                 hint="is a factor missing? 1 um is 1e-3 mm",
             )
+        self._check_again(columns)
         self._check_zero(largest)
         self._check_turning(columns.shape[2])
         for k in range(columns.shape[2]):
@@ -107,6 +108,15 @@ class _Trial:
             raise self._error(
                 f"its amplitudes together move by {off:.3g} mm otherwise than one by one",
                 "displacements that add up",
+            )
+
+    def _check_again(self, columns: np.ndarray) -> None:
+        off = np.abs(self.effect.columns(self.path, self.target, self.inner) - columns)
+        if off.max(initial=0.0) > 0.0:
+            raise self._error(
+                f"asked twice for the same, it differs by {off.max():.3g} mm",
+                "a displacement that its arguments alone decide",
+                hint="without numbers by chance, and without values kept from call to call",
             )
 
     def _check_zero(self, largest_mm: float) -> None:

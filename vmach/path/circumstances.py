@@ -108,7 +108,9 @@ class Circumstances:
     def normal(self) -> np.ndarray:
         """Outward normal of the surface being cut, (P, 3)."""
         if self.states.normal is None:
-            raise ValueError("these states belong to no surface")
+            raise ValueError(
+                "these states belong to no surface: needs_surface = True asks for those that do"
+            )
         return self.states.normal
 
     @cached_property
