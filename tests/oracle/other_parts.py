@@ -380,6 +380,15 @@ def tool_warms_in_use(random, walk):
     )
 
 
+def chilled_part(random, walk):
+    """Cold after each tool change, the part swells about its zero until the chips warm it."""
+    ppm = random.uniform(150, 250)
+    return Hidden(
+        "time since the tool change",
+        lambda r: 1e-3 * ppm * -np.expm1(-r.in_use_s / 75.0) * r.point_mm,
+    )
+
+
 def _across(reading: Reading) -> np.ndarray:
     """The normal of a wall; zero of a floor."""
     return reading.normal * [1.0, 1.0, 0.0]

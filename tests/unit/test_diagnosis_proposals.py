@@ -1,5 +1,6 @@
 """Forms for what no effect explains, adding in rounds, and the page of rules."""
 
+import itertools
 import json
 import re
 from types import SimpleNamespace
@@ -23,7 +24,7 @@ from vmach.diagnosis.proposals.form import Form, FormEffect
 from vmach.diagnosis.proposals.form_columns import FormColumns
 from vmach.diagnosis.proposals.forms import Forms
 from vmach.diagnosis.proposals.proposal import Proposal
-from vmach.diagnosis.proposals.refuting import refuting_test
+from vmach.diagnosis.proposals.refuting import refuting_tests
 from vmach.diagnosis.proposals.states import CONSTANT, DIRECTIONS, State, states_of
 from vmach.diagnosis.report import as_json, as_text
 from vmach.diagnosis.residuals.job_survey import survey_job
@@ -181,7 +182,40 @@ def test_a_form_comes_with_the_test_that_would_refute_it(pushed_job, tmp_path):
 def test_every_state_has_a_test_that_would_refute_it(pushed_job):
     survey = survey_job(pushed_job)
     for state in states_of(survey.paths[0]):
-        assert refuting_test(state)
+        assert refuting_tests([state])
+
+
+class Cut(SimpleNamespace):
+    """Circumstances with how the axes move, at so many places."""
+
+    def __len__(self):
+        return len(self.play_side)
+
+
+def test_what_would_refute_a_product_is_what_its_states_do(pushed_job):
+    """The path is cut the other way, and at twice the feed: the numbers say what has to be seen."""
+    path = survey_job(pushed_job).paths[0]
+    kinds = ("direction", "speed", "low speed", "acceleration", "travel since reversal")
+    states = [state for state in states_of(path) if state.kind in kinds]
+    random = np.random.default_rng(5)
+    side, speed = random.choice([-1.0, 1.0], (40, 3)), random.normal(0.0, 9.0, (40, 3))
+    same = {"acceleration_mm_per_s2": speed[::-1], "travel_since_reversal_mm": abs(speed)}
+    same["on_arc"] = np.ones(40)
+    cut, back, fast = (
+        Cut(play_side=sign * side, velocity_mm_per_s=sign * factor * speed, **same)
+        for sign, factor in ((1.0, 1.0), (-1.0, 1.0), (1.0, 2.0))
+    )
+    for pair in itertools.combinations_with_replacement(states, 2):
+        said = refuting_tests(pair)
+        now, turned, doubled = (np.prod([s.at(p) for s in pair], axis=0) for p in (cut, back, fast))
+        if any(state.kind == "direction" for state in pair):
+            seen = "sign has to stay" if np.allclose(turned, now) else "sign has to turn"
+            assert f"in the opposite direction: the {seen}" in said
+        if {s.kind for s in pair} <= {"speed", "direction"} and not (doubled == now).all():
+            seen = "double" if np.allclose(doubled, 2.0 * now) else "grow to four times"
+            assert f"at twice the feed: it has to {seen}" in said
+    (square,) = {refuting_tests([s, s]) for s in states_of(path) if s.kind == "spindle speed"}
+    assert square.endswith("it has to fall to a quarter")
 
 
 def form_of(words, path, job):

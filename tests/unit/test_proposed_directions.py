@@ -6,12 +6,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tests.small_job import measurement, write_job
 from tests.unit.test_diagnosis_verdicts import tip_job
 from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.proposals.effect_text import effect_text
 from vmach.diagnosis.proposals.form import FormEffect, amounts
 from vmach.diagnosis.proposals.form_columns import FormColumns
-from vmach.diagnosis.proposals.states import bend_about, curve_in
+from vmach.diagnosis.proposals.states import SWELLING, bend_about, curve_in
 from vmach.diagnosis.report import as_json, as_text
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects import catalogue, load_effect_file
@@ -39,6 +40,15 @@ def test_a_plate_bends_as_its_deflection_slopes():
         along_y = (w(x, y + h) - w(x, y - h)) / (2 * h)
         expected = np.stack([-z * along_x, -z * along_y, w(x, y)], axis=1)
         np.testing.assert_allclose(moved[:, :, k], expected, atol=1e-9)
+
+
+def test_a_part_swells_about_its_zero():
+    """So much per 100 mm, whichever way, and the same shift everywhere."""
+    place = np.random.default_rng(2).uniform([-90, -60, -30], [90, 60, 0], (40, 3))
+    moved = SWELLING.at(Path(on_part_mm=place))
+    np.testing.assert_allclose(moved[:, :, 0], place / 100.0, atol=1e-15)
+    for k in range(3):
+        np.testing.assert_array_equal(moved[:, :, 1 + k], np.tile(np.eye(3)[k], (40, 1)))
 
 
 def test_a_curve_holds_its_ends_beyond_what_was_measured():
@@ -101,6 +111,8 @@ def test_the_effect_that_is_written_does_what_its_form_does():
         )
         written = {}
         exec(effect_text(proposal, name="written"), written)
+        for said in ("needs_surface", "turns_tool", "follows_travel"):
+            assert getattr(written["Written"], said) == getattr(FormEffect(form), said), said
         for path in survey.paths:
             made = written["Written"]().displacement(path, "", **size_um)
             expected = FormEffect(form, len(size_um)).displacement(path, "", **size_um)
@@ -147,3 +159,24 @@ def test_a_cause_by_chance_is_proposed_nothing_that_foretells_it(tmp_path, seed)
     found = diagnose(survey_job(tip_job(tmp_path, by_chance, count=60, seed=seed)))
     assert all(p.share_left(0.5) < 1.0 for p in found.proposals)
     assert not any(p.share_left(0.5) < 0.8 for p in found.proposals)
+
+
+def test_a_head_that_nods_with_the_square_of_its_speed_is_told(tmp_path):
+    """What is out of balance pulls so: 4 um at 6000 rpm, read at speeds in any order."""
+    random = np.random.default_rng(6)
+    rpm = np.repeat(random.choice([1000, 2000, 3000, 4000, 5000, 6000], 20), 6)
+    moved = np.outer((rpm / 6000.0) ** 2, [0.0, 4.0, 0.0])
+    read = np.column_stack([
+        20.0 * np.arange(len(rpm)), rpm, moved + random.normal(0.0, 0.3, moved.shape)
+    ])  # fmt: skip
+    rows = [",".join(map(repr, row)) for row in read.tolist()]
+    (tmp_path / "drift.csv").write_text("\n".join(["t_s,spindle_rpm,dx_um,dy_um,dz_um", *rows]))
+    drift = measurement("drift", at_mm=[-200, -150, -100])
+    lines = write_job(tmp_path, more=drift).read_text().splitlines()
+    (tmp_path / "job.toml").write_text("\n".join(r for r in lines if not r.startswith("measured")))
+    found = diagnose(survey_job(tmp_path / "job.toml"))
+    assert found.verdict == "unknown"
+    first = found.proposals[0]
+    speed = "spindle speed in 10000 rpm"
+    assert first.form.formula == f"{speed} x {speed}, along Y"
+    assert first.amount_um == pytest.approx(4.0 / 0.36, abs=4.0 * first.amount_u_um)

@@ -205,6 +205,8 @@ def _amount_lines(proposal: Proposal) -> list[str]:
         value, u = proposal.amounts_um[name], proposal.u_um[name]
         said = rounded(value, (value - 2.0 * u, value + 2.0 * u))[0]
         lines.append(f"    {name} = {said}  (u = {u:.2g}): {proposal.of_each[name]}")
+    if proposal.of_each and not lines:
+        lines.append(f"    {len(proposal.of_each)} amounts, none of them clear")
     return lines
 
 

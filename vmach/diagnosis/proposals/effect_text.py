@@ -49,7 +49,7 @@ class {kind}(Effect):
     )
     targets = ("",)
     needs_surface = {needs_surface}
-{turning}    usual_size = "{size} where it was proposed"
+{more}    usual_size = "{size} where it was proposed"
     confirm = (
         "{refute}"
     )
@@ -73,7 +73,8 @@ def effect_text(proposal: Proposal, *, name: str) -> str:
             for amount, of in zip(proposal.amounts_um, form.each, strict=True)
         ),
         needs_surface=form.needs_surface,
-        turning="    turns_tool = True\n" * form.direction.turns_tool,
+        more="    turns_tool = True\n" * form.direction.turns_tool
+        + "    follows_travel = True\n" * form.follows_travel,
         imported="from vmach.machine import RigidDisplacement\n" * form.direction.turns_tool,
         refute=form.refute,
         displacement=_displacement(form),

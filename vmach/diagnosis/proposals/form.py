@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 
-from vmach.diagnosis.proposals.refuting import ELSEWHERE, TILT, refuting_test
+from vmach.diagnosis.proposals.refuting import ELSEWHERE, TILT, refuting_tests
 from vmach.diagnosis.proposals.states import CONSTANT, MOTION, Direction, State
 from vmach.effects import Displaced, Effect, Parameter, linear
 from vmach.job import Job
@@ -42,6 +42,11 @@ class Form:
         return self.direction.needs_surface or any(s.needs_surface for s in self.states)
 
     @property
+    def follows_travel(self) -> bool:
+        """Whether passes over one place of a floor may differ by it."""
+        return bool(self.kinds & MOTION)
+
+    @property
     def formula(self) -> str:
         """In words."""
         words = [s.words for s in self.states] or ["a shift"] * (not self.direction.lever)
@@ -68,7 +73,7 @@ class Form:
         """What to do that would refute it, and what has to be seen if it is true."""
         if self.direction.turns_tool:
             return TILT
-        return "; ".join(dict.fromkeys(map(refuting_test, self.states))) or ELSEWHERE
+        return refuting_tests(self.states) or ELSEWHERE
 
     @property
     def kinds(self) -> frozenset[str]:
@@ -96,7 +101,7 @@ class FormEffect(Effect):
 
     def __init__(self, form: Form, count: int = 1) -> None:
         self.form = form
-        self.follows_travel = bool(form.kinds & MOTION)
+        self.follows_travel = form.follows_travel
         self.needs_surface = form.needs_surface
         self.turns_tool = form.direction.turns_tool
         self.parameters = amounts(count)

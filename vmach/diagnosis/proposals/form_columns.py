@@ -19,6 +19,7 @@ from vmach.diagnosis.proposals.states import (
     CUT,
     DIRECTIONS,
     HALF_TURNS,
+    SWELLING,
     TILTS,
     TURNS,
     Direction,
@@ -42,6 +43,8 @@ Rows = slice | np.ndarray
 _ALONG_ALL = ("time", "warm-up", "time since tool change", "spindle", "tool change", "tool")
 #: kinds of what may be more or less along an axis
 _ALONG_AN_AXIS = ("direction", "travel since reversal", "speed", "warm-up", "tool", "tool change")
+#: kinds of what may heat or cool the part
+_HEATS_PART = ("time", "warm-up", "time since tool change", "cutting length")
 #: a curve along an axis is tried where readings go further than this, mm
 _LEAST_SPAN_MM = 50.0
 #: share of the span that no reading may leave out: half the shortest wave of the curve
@@ -69,7 +72,7 @@ class FormColumns:
         self._zeros = TouchedZeros(survey)
         places = np.concatenate([p.on_part_mm for p in survey.paths])
         self._bend = bend_about(0.5 * (places.min(axis=0) + places.max(axis=0)))
-        every = (*DIRECTIONS, ALL_AXES, *TURNS, self._bend, *TILTS)
+        every = (*DIRECTIONS, ALL_AXES, *TURNS, SWELLING, self._bend, *TILTS)
         reads = {path.states.arm_mm is not None for path in survey.paths}
         # what reads tilts senses no displacement; tilts are asked for where something reads them
         self._sensed = {d: _sensed(survey, d) for d in every if d.turns_tool in reads}
@@ -87,7 +90,7 @@ class FormColumns:
                 yield from (Form(*pair, direction) for direction in (*DIRECTIONS, *TILTS))
 
     def _of_several(self) -> Iterator[Form]:
-        """Those of several amounts: steps and waves, what drifts along all axes, turns, a bend."""
+        """Those of several amounts: steps and waves, drifts along all axes, turns, heat, a bend."""
         for state, value in self._states.items():
             if value.shape[1] > 1:
                 yield from (Form(CONSTANT, state, d) for d in (*DIRECTIONS, *TILTS))
@@ -95,6 +98,8 @@ class FormColumns:
                 yield Form(CONSTANT, state, ALL_AXES)
             if value.shape[1] == 1 and state is not CONSTANT:
                 yield from (Form(CONSTANT, state, turn) for turn in TURNS)
+            if state.kind in _HEATS_PART:
+                yield Form(CONSTANT, state, SWELLING)
         yield Form(CONSTANT, CONSTANT, self._bend)
 
     def _along_axes(self) -> Iterator[Form]:

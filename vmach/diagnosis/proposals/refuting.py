@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
+
 from vmach.diagnosis.proposals.states import State
 from vmach.machine import LINEAR_AXES
 
-__all__ = ["ELSEWHERE", "TILT", "refuting_test"]
+__all__ = ["ELSEWHERE", "TILT", "refuting_tests"]
 
 #: where a form depends on nothing but places
 ELSEWHERE = (
@@ -33,6 +36,8 @@ _TESTS = {
     "time since tool change": "wait ten minutes after the tool change before cutting: the first "
     "surfaces have to be like the last",
     "spindle": "let the spindle run for an hour before cutting: the change has to be gone",
+    "spindle speed": "cut the same surfaces at half the spindle speed and the same feed: it has to "
+    "halve",
     "cutting length": "put in a new tool in the middle: it has to begin anew",
     "feed per tooth": "cut the same surfaces at twice the feed per tooth: it has to double",
     "depth": "cut the same walls half as deep: it has to follow the depth",
@@ -60,6 +65,22 @@ _TESTS = {
 }
 
 
-def refuting_test(state: State) -> str:
-    """What to do, and what has to be seen if the form is true."""
-    return _TESTS[state.kind]
+#: what has to be seen where the test changes two states of a product
+_OF_BOTH = {"double": "grow to four times", "halve": "fall to a quarter"}
+
+
+def refuting_tests(states: Sequence[State]) -> str:
+    """What to do, and what has to be seen if a product of states is true.
+
+    A test that changes both states changes their product twice.
+    """
+    told = []
+    for test, count in Counter(_TESTS[state.kind] for state in states).items():
+        do, _, seen = test.rpartition(": ")
+        if test == _TESTS["direction"] and sum(state.turns for state in states) % 2 == 0:
+            seen = "the sign has to stay"
+        if count > 1:
+            for one, both in _OF_BOTH.items():
+                seen = seen.replace(one, both)
+        told.append(f"{do}: {seen}")
+    return "; ".join(told)

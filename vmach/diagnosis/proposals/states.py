@@ -18,6 +18,7 @@ __all__ = [
     "DIRECTIONS",
     "HALF_TURNS",
     "MOTION",
+    "SWELLING",
     "TILTS",
     "TURNS",
     "Direction",
@@ -54,6 +55,8 @@ class State:
         How many like it were tried before this one was put on the list.
     each : tuple of str
         Of several numbers, what each is, in words.
+    turns : bool
+        Whether its sign turns where the path is cut in the opposite direction.
     """
 
     kind: str
@@ -61,6 +64,7 @@ class State:
     code: str
     looked_at: float = 1.0
     each: tuple[str, ...] = ("",)
+    turns: bool = False
 
     @property
     def needs_surface(self) -> bool:
@@ -194,6 +198,21 @@ def _turn(k: int) -> Direction:
 TURNS = tuple(_turn(k) for k in range(3))
 
 
+def _swelling() -> Direction:
+    """Away from the part's zero in proportion to the distance, and shifts where it is held.
+
+    Source: a body of one temperature that expands freely.
+    """
+    moved = ["0.01 * path.on_part_mm"]
+    moved += [f"np.eye(3)[{k}] * np.ones((len(path), 1))" for k in range(3)]
+    each = ("per 100 mm from the part's zero", *(f"along {axis}" for axis in LINEAR_AXES))
+    code, lever = _listed("np.stack", moved, "axis=2"), _places(0, 1, 2)
+    return Direction("as the part swells", code, True, lever=lever, each=each)
+
+
+SWELLING = _swelling()
+
+
 def bend_about(middle_mm: np.ndarray) -> Direction:
     """Curvature along X and Y, and twist, of a part about its middle (3,) mm.
 
@@ -236,9 +255,9 @@ def states_of(path: Circumstances) -> Iterator[State]:
 
 
 def _of_axis(k: int, axis: str) -> Iterator[State]:
-    yield State("direction", f"direction of {axis}", f"path.play_side[:, {k}]")
+    yield State("direction", f"direction of {axis}", f"path.play_side[:, {k}]", turns=True)
     speed = f"0.06 * path.velocity_mm_per_s[:, {k}]"
-    yield State("speed", f"speed of {axis} in m/min", speed)
+    yield State("speed", f"speed of {axis} in m/min", speed, turns=True)
     # an axis at rest has no friction of motion
     slow = f"np.where(np.abs({speed}) > 1e-4, np.exp(-np.abs({speed}) / {_SLOW_M_MIN}), 0.0)"
     yield State("low speed", f"low speed of {axis}, fading within {_SLOW_M_MIN:g} m/min", slow)
@@ -249,7 +268,8 @@ def _of_axis(k: int, axis: str) -> Iterator[State]:
     yield State("acceleration", f"acceleration of {axis} on arcs in m/s²", on_arcs)
     for fade in _FADES_MM:
         code = f"path.play_side[:, {k}] * np.exp(-path.travel_since_reversal_mm[:, {k}] / {fade})"
-        yield State("travel since reversal", f"what fades {fade:g} mm after {axis} turned", code)
+        words = f"what fades {fade:g} mm after {axis} turned"
+        yield State("travel since reversal", words, code, turns=True)
     for power in (1, 2):
         place = f"(0.01 * path.nose_mm[:, {k}]) ** {power}"
         yield State("position", f"{axis}{'²' * (power == 2)} in 100 mm", place)
@@ -276,6 +296,8 @@ def _of_time() -> Iterator[State]:
 
 
 def _of_tool(path: Circumstances) -> Iterator[State]:
+    # what is out of balance pulls with its square
+    yield State("spindle speed", "spindle speed in 10000 rpm", "1e-4 * path.spindle_rpm")
     yield State("cutting length", "cutting length in 10 m", "1e-4 * path.cutting_length_mm")
     yield State("feed per tooth", "feed per tooth in 0.1 mm", "10.0 * path.feed_per_tooth_mm")
     for power in (1.0, 1.5, 2.0):
@@ -285,12 +307,13 @@ def _of_tool(path: Circumstances) -> Iterator[State]:
     tools = np.unique(path.tool)
     for tool in tools if len(tools) > 1 else ():
         yield State("tool", f"tool {tool}", f"path.tool == {tool}")
-    changes = int(path.tool_changes.max(initial=0))
-    for change in range(1, changes + 1):
+    # of changes between which nothing was read the last stands for all
+    changes = np.unique(path.tool_changes)[1:].tolist()
+    for change in changes:
         yield State("tool change", f"after tool change {change}", f"path.tool_changes >= {change}")
-    if changes > 1:
-        each = f"path.tool_changes[:, None] >= np.arange(1, {changes + 1})"
-        words = tuple(f"after tool change {change}" for change in range(1, changes + 1))
+    if len(changes) > 1:
+        each = f"path.tool_changes[:, None] >= np.array({changes})"
+        words = tuple(f"after tool change {change}" for change in changes)
         yield State("tool change", "a step at each tool change", each, each=words)
     yield State("height above the tip", "height above the tip in 10 mm", _HEIGHT)
 
