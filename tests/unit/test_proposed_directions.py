@@ -180,3 +180,14 @@ def test_a_head_that_nods_with_the_square_of_its_speed_is_told(tmp_path):
     speed = "spindle speed in 10000 rpm"
     assert first.form.formula == f"{speed} x {speed}, along Y"
     assert first.amount_um == pytest.approx(4.0 / 0.36, abs=4.0 * first.amount_u_um)
+
+
+def pushed_across(q, side, time):
+    """Lost motion of Y of 3 um, and Y is pushed when X and Z come from the same side."""
+    return np.outer(1.5 * side[:, 1] + 4.0 * side[:, 0] * side[:, 2], [0.0, 1.0, 0.0])
+
+
+def test_a_form_of_the_motion_of_other_axes_is_no_doubt_about_lost_motion(tmp_path):
+    found = diagnose(survey_job(tip_job(tmp_path, pushed_across, count=160)))
+    assert [finding.label for finding in found.findings] == ["backlash Y"]
+    assert found.proposals[0].form.state_words == ("direction of X", "direction of Z")

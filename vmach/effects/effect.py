@@ -134,6 +134,12 @@ class Effect(ABC):
         """
         return None
 
+    def travel_axes(self, target: str) -> frozenset[str]:
+        """Axes whose travel it follows: those of its target, all where that names none."""
+        if not self.follows_travel:
+            return frozenset()
+        return frozenset(LINEAR_AXES).intersection(target) or frozenset(LINEAR_AXES)
+
     def possible_targets(self, job: Job) -> tuple[str, ...]:
         """The targets that this job has; those of the class unless overridden."""
         return self.targets

@@ -49,6 +49,11 @@ class Term:
         return self.label, *self.inner.values()
 
     @property
+    def travel_axes(self) -> frozenset[str]:
+        """Axes whose travel it follows."""
+        return self.effect.travel_axes(self.target)
+
+    @property
     def prior_width(self) -> float:
         """Prior standard deviation of its coefficients, in usual sizes."""
         return self.width or FREE

@@ -92,8 +92,8 @@ def where_they_act_um(
     Each reading weighs as the square of what the effect does to it. Scatter is no rest: an
     imitation leaves structure, and single readings have scatter of their own; but scatter that
     knows the axes is the machine's. Nor is what other terms do a rest; but one that follows the
-    travel is a doubt about an effect that does, where it acts most where the effect does: the mean
-    of such a cause is an effect of motion beside its form. What remains as offsets of an
+    travel of an axis is a doubt about an effect that does, where it acts most where that does: the
+    mean of such a cause is an effect of motion beside its form. What remains as offsets of an
     instrument's runs, as its zero wanders, is a doubt about an effect as far as that does so too.
     """
     every = [um_from_mm(own) for own in effects_mm(weighing, found)]
@@ -103,7 +103,7 @@ def where_they_act_um(
     sizes, rests = [], []
     for term, own in zip(terms[:count], every, strict=False):
         beside = zip(terms[count:], every[count:], strict=True)
-        moved = [o for t, o in beside if t.effect.follows_travel and term.effect.follows_travel]
+        moved = [o for t, o in beside if t.travel_axes & term.travel_axes]
         alike = [o for o in moved if _rms_where(o, own) > np.sqrt(np.mean(o**2))]
         as_zeros = norm(weighing.survey.zeros_of_runs(own)) / max(norm(own), 1e-300)
         rest = sum(alike, left) - (1.0 - as_zeros) * zeros

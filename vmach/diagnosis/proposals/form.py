@@ -106,6 +106,9 @@ class FormEffect(Effect):
         self.turns_tool = form.direction.turns_tool
         self.parameters = amounts(count)
 
+    def travel_axes(self, target: str) -> frozenset[str]:
+        return frozenset(state.axis for state in self.form.states if state.kind in MOTION)
+
     def possible_targets(self, job: Job) -> tuple[str, ...]:
         return (self.form.formula,)
 

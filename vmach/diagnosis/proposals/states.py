@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -57,6 +58,8 @@ class State:
         Of several numbers, what each is, in words.
     turns : bool
         Whether its sign turns where the path is cut in the opposite direction.
+    axis : str
+        The one whose motion it is, of states of motion.
     """
 
     kind: str
@@ -65,6 +68,7 @@ class State:
     looked_at: float = 1.0
     each: tuple[str, ...] = ("",)
     turns: bool = False
+    axis: str = ""
 
     @property
     def needs_surface(self) -> bool:
@@ -255,21 +259,22 @@ def states_of(path: Circumstances) -> Iterator[State]:
 
 
 def _of_axis(k: int, axis: str) -> Iterator[State]:
-    yield State("direction", f"direction of {axis}", f"path.play_side[:, {k}]", turns=True)
+    moves = partial(State, axis=axis)
+    yield moves("direction", f"direction of {axis}", f"path.play_side[:, {k}]", turns=True)
     speed = f"0.06 * path.velocity_mm_per_s[:, {k}]"
-    yield State("speed", f"speed of {axis} in m/min", speed, turns=True)
+    yield moves("speed", f"speed of {axis} in m/min", speed, turns=True)
     # an axis at rest has no friction of motion
     slow = f"np.where(np.abs({speed}) > 1e-4, np.exp(-np.abs({speed}) / {_SLOW_M_MIN}), 0.0)"
-    yield State("low speed", f"low speed of {axis}, fading within {_SLOW_M_MIN:g} m/min", slow)
+    yield moves("low speed", f"low speed of {axis}, fading within {_SLOW_M_MIN:g} m/min", slow)
     pull = f"1e-3 * path.acceleration_mm_per_s2[:, {k}]"
-    yield State("acceleration", f"acceleration of {axis} in m/s²", pull)
+    yield moves("acceleration", f"acceleration of {axis} in m/s²", pull)
     # controls round off short straight moves or do not
     on_arcs = f"{pull} * path.on_arc"
-    yield State("acceleration", f"acceleration of {axis} on arcs in m/s²", on_arcs)
+    yield moves("acceleration", f"acceleration of {axis} on arcs in m/s²", on_arcs)
     for fade in _FADES_MM:
         code = f"path.play_side[:, {k}] * np.exp(-path.travel_since_reversal_mm[:, {k}] / {fade})"
         words = f"what fades {fade:g} mm after {axis} turned"
-        yield State("travel since reversal", words, code, turns=True)
+        yield moves("travel since reversal", words, code, turns=True)
     for power in (1, 2):
         place = f"(0.01 * path.nose_mm[:, {k}]) ** {power}"
         yield State("position", f"{axis}{'²' * (power == 2)} in 100 mm", place)

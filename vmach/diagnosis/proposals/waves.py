@@ -59,8 +59,9 @@ _RCOND = 1e-9
 class _Argument:
     """What a wave may go along: words for it, code, and the range of its period.
 
-    `kind` is that of the state, `height` code of how high the wave is, if not one. The words take
-    the ``period`` and its inverse, ``hertz``. A smooth discrepancy takes none of high frequency.
+    `kind` is that of the state, `height` code of how high the wave is, if not one, and `axis` that
+    whose motion it follows. The words take the ``period`` and its inverse, ``hertz``. A smooth
+    discrepancy takes none of high frequency.
     """
 
     kind: str
@@ -70,6 +71,7 @@ class _Argument:
     longest: float = np.inf
     directions: tuple[Direction, ...] = DIRECTIONS
     height: str = ""
+    axis: str = ""
     is_high_frequency: bool = False
 
     def of(self, survey: Survey, code: str) -> np.ndarray:
@@ -100,6 +102,7 @@ def _after_reversal(k: int, axis: str) -> Iterator[_Argument]:
             0.02,
             directions=(DIRECTIONS[k],),
             height=f"path.play_side[:, {k}] * np.exp(-{since} / {fade:g})",
+            axis=axis,
             is_high_frequency=True,
         )
 
@@ -284,4 +287,5 @@ def _state(argument: _Argument, frequency: float, span: float) -> State:
         f"{high}np.stack([np.sin({turn}), np.cos({turn})], axis=1)",
         looked_at=max(span / argument.shortest, 1.0),
         each=("sine", "cosine"),
+        axis=argument.axis,
     )
