@@ -73,7 +73,7 @@ def search_exchanging(weighing: Weighing, here: Explanation) -> Explanation:
 
 def search_beyond(weighing: Weighing, here: Explanation) -> Explanation:
     """A more probable set, by all moves; a large discrepancy is filled where none of them helps."""
-    moves = (_added, _uncovered, _afresh, _exchanged, _split, _paired)
+    moves = (_added, _uncovered, _afresh, _exchanged, _elsewhere, _split, _paired)
     here = _led_on(weighing, here, moves)
     for _ in range(_MOVES):
         filled = _filled(weighing, here, moves)
@@ -90,8 +90,8 @@ def search_possible(weighing: Weighing, here: Explanation) -> Explanation:
     """
     if _is_possible(here):
         return here
-    found = itertools.chain(_more(weighing, here), _instead_of_impossible(weighing, here))
-    best = _best(weighing, filter(_is_possible, found), here.score - CLEARLY)
+    found = filter(_is_possible, _near_impossible(weighing, here))
+    best = _best(weighing, found, here.score - CLEARLY)
     if best is None:
         return here
     further = _led_on(weighing, best, (_exchanged,))
@@ -126,15 +126,10 @@ def _is_possible(tried: Explanation) -> bool:
     return tried.fit is None or not has_impossible_sizes(tried.fit)
 
 
-def _more(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
-    """One effect more of many: what has an impossible size hides most of what is missing."""
-    gains = weighing.gains(here)
-    for k in _ranked(weighing, gains, here.labels)[:_MORE]:
+def _near_impossible(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
+    """One effect more of many, as what is missing hides; another in place of an impossible size."""
+    for k in _ranked(weighing, weighing.gains(here), here.labels)[:_MORE]:
         yield weighing.extend(here, k)
-
-
-def _instead_of_impossible(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
-    """Another effect in the place of each that has an impossible size."""
     assert here.fit is not None
     for gone in impossible_terms(here.fit):
         others = weighing.without(here, [gone], resize=False)
@@ -183,6 +178,20 @@ def _exchanged(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
         for gone in itertools.combinations(range(len(here.terms)), count):
             others = weighing.without(here, gone, resize=False)
             for child in _filled_up(weighing, others, here.labels, count, least):
+                if child.score > least:
+                    yield weighing.explain(child.terms, child.posterior.sizes)
+
+
+def _elsewhere(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
+    """One effect less, and another clearly elsewhere without that; one more where it helps."""
+    least = here.score - _NEAR
+    for gone, kept in itertools.permutations(range(len(here.terms)), 2):
+        others = weighing.without(here, sorted((gone, kept)), resize=False)
+        k = weighing.index_of(here.terms[kept].label)
+        as_it_is = weighing.without(here, [gone], resize=False).score
+        if others.score + weighing.gains(others)[k] >= as_it_is + CLEARLY:
+            afresh = weighing.extend(others, k, resize=False)
+            for child in (afresh, *_filled_up(weighing, afresh, here.labels, 1, least)):
                 if child.score > least:
                     yield weighing.explain(child.terms, child.posterior.sizes)
 

@@ -125,12 +125,6 @@ def _scatter_um(weighing: Weighing, found: Explanation, noise: float) -> float:
     return float(np.sqrt(max(beyond, uneven))) * usual_u_um(weighing)
 
 
-def _left_in_u(weighing: Weighing, found: Explanation) -> np.ndarray:
-    """Size of what is left of every reading, in stated u, (n,)."""
-    posterior = found.posterior
-    return np.abs(posterior.sizes.factor * weighing.base.noise.standardised(posterior.left))
-
-
 def _uneven(weighing: Weighing, found: Explanation) -> np.ndarray:
     """Mean square, in stated u, of scatter of walls along one axis that the other has not, (n,).
 
@@ -140,7 +134,8 @@ def _uneven(weighing: Weighing, found: Explanation) -> np.ndarray:
     on_wall = np.concatenate(
         [m.on_part & (np.abs(m.sensing[:, 2]) < _WALL) for m in weighing.survey.measurements]
     )
-    size = _left_in_u(weighing, found)
+    left = weighing.base.noise.standardised(found.posterior.left)
+    size = np.abs(found.posterior.sizes.factor * left)
     along_x, along_y = np.abs(weighing.survey.sensing[:, :2]).T
     groups = [on_wall & here for here in (along_x > along_y, along_x <= along_y)]
     none = np.zeros(len(size))

@@ -90,13 +90,16 @@ def supports_of(
     """What speaks for the first effects of an explanation, for each where no count is given."""
     count = len(found.terms) if count is None else count
     sizes, rests = where_they_act_um(weighing, found, count)
-    rests = [_looked_into(weighing, rest) for rest in rests]
+    ignored = WORTH_A_FORM * usual_u_um(weighing)
+    rests = np.sqrt(np.maximum(np.square(rests) - ignored**2, 0.0)).tolist()
     # the noise may still be that of another explanation: each beside its own tails
     own = score_with_tails(weighing, found, -np.inf)
     supports = []
     for k, (size, rest) in enumerate(zip(sizes, rests, strict=True)):
         more, prior = in_its_place(weighing, found, k)
-        odds = own - _score_without(weighing, found, k, own - _CERTAIN) + more
+        # without it beside the noise that this leaves: odd readings call for no effect
+        fewer = score_with_tails(weighing, weighing.without(found, [k]), own - _CERTAIN)
+        odds = own - fewer + more
         supports.append(Support(odds, size, rest, prior=max(prior, 0.0)))
     return _with_shares(weighing, found, supports)
 
@@ -123,17 +126,6 @@ def _with_shares(
             break
         left.remove(first)
     return supports
-
-
-def _score_without(weighing: Weighing, found: Explanation, k: int, least: float) -> float:
-    """Score without term k, beside the noise that this leaves: odd readings call for no effect."""
-    return score_with_tails(weighing, weighing.without(found, [k]), least)
-
-
-def _looked_into(weighing: Weighing, rest_um: float) -> float:
-    """What of a rest is beyond a size that would not be looked into."""
-    least = WORTH_A_FORM * usual_u_um(weighing)
-    return float(np.sqrt(max(rest_um**2 - least**2, 0.0)))
 
 
 def in_its_place(weighing: Weighing, found: Explanation, k: int) -> tuple[float, float]:

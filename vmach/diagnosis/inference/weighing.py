@@ -397,23 +397,24 @@ class Weighing:
         width = WIDTHS[evidence.best_width[k, 0]]
         return width * self.candidates[k].signatures_mm[:, evidence.best[k, 0]]
 
-    def would_take(self, k: int, explanation: Explanation) -> np.ndarray:
-        """What candidate k, fitted to what an explanation leaves, would take, (r,) of unit size."""
+    def _fitted_at_best(
+        self, k: int, explanation: Explanation, left: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """White columns of candidate k at its best place, (r, K), and what fits white readings."""
         evidence = self.evidence(explanation)
         white = self.base.white(self.candidates[k].signatures_mm[:, evidence.best[k, 0]])
-        left, width = explanation.posterior.left, WIDTHS[evidence.best_width[k, 0]]
-        prior = np.eye(white.shape[1]) / width**2
-        taken = white @ np.linalg.solve(white.T @ white + prior, white.T @ left)
+        prior = np.eye(white.shape[1]) / WIDTHS[evidence.best_width[k, 0]] ** 2
+        return white, np.linalg.solve(white.T @ white + prior, white.T @ left)
+
+    def would_take(self, k: int, explanation: Explanation) -> np.ndarray:
+        """What candidate k, fitted to what an explanation leaves, would take, (r,) of unit size."""
+        white, amounts = self._fitted_at_best(k, explanation, explanation.posterior.left)
+        taken = white @ amounts
         return taken / max(float(np.linalg.norm(taken)), 1e-300)
 
     def fitted_alone(self, k: int) -> tuple[Term, np.ndarray]:
         """Candidate k fitted alone: the term and its coefficients (K,)."""
-        term, evidence = self.term(k, self.alone), self.evidence(self.alone)
-        columns = self.candidates[k].signatures_mm[:, evidence.best[k, 0]]
-        width = WIDTHS[evidence.best_width[k, 0]]
-        white, reading = self.base.white(columns), self.base.y
-        prior = np.eye(white.shape[1]) / width**2
-        return term, np.linalg.solve(white.T @ white + prior, white.T @ reading)
+        return self.term(k, self.alone), self._fitted_at_best(k, self.alone, self.base.y)[1]
 
     def alone_mm(self, k: int) -> np.ndarray:
         """What candidate k does to the readings when it is fitted alone, (n,) mm."""
