@@ -146,9 +146,9 @@ def test_the_order_in_which_effects_are_added_changes_nothing(warm):
     told = together.effects["workpiece_temperature"]["expansion_ppm"]
     u = together.fitted["workpiece_temperature", ""][0]["expansion_ppm"]
     assert abs(told - hidden["expansion_ppm"]) < 3.0 * abs(u)
-    # alone, the screw had taken a part of it
+    # alone, the screw had taken a part of it; a form of a part that swells takes the rest
     alone = read_job(warm / "axis.toml").effects["axis_expansion"]["Y"]["expansion_ppm"]
-    assert abs(alone - together.effects["axis_expansion"]["Y"]["expansion_ppm"]) > 15.0
+    assert abs(alone - together.effects["axis_expansion"]["Y"]["expansion_ppm"]) > 10.0
 
 
 def test_what_was_fitted_to_other_readings_stays(warm):

@@ -77,7 +77,7 @@ def test_probability_is_that_of_a_normal_distribution(weighing, share, tails):
             free.T @ survey.residual_mm, cov=free.T @ covariance @ free
         )
         ours = Posterior(base, sizes, Effects(base.columns(columns))).log_probability
-        return dense, ours - sizes.log_prior(members.limits)
+        return dense, ours - sizes.log_prior(*members.prior_of_sizes)
 
     count = len(members.names)
     one = both(Sizes(1.0, (0.3,) * count), np.zeros((len(survey), 0)))
