@@ -385,8 +385,9 @@ class Weighing:
             return odds
         firsts = [self.base.columns(self._at_best(k, explanation)) for k in asked]
         odds[asked] = self.bank.beside_each(explanation.posterior, firsts)
+        beside = [self.priors.beside(count + more) for more in (0, 1)]
         for k in asked:
-            odds[k] += gains[k] + self.priors.beside(count + int(self.priors.is_counted[k]))
+            odds[k] += gains[k] + beside[int(self.priors.is_counted[k])]
         odds[:, np.setdiff1d(np.arange(len(gains)), asked)] = -np.inf
         np.fill_diagonal(odds, -np.inf)
         return odds

@@ -15,12 +15,9 @@ import numpy as np
 from gcode import WORK_OFFSETS
 from vmach.job import Job
 from vmach.measurements.measurement import Measurement
+from vmach.measurements.plausibility.part_check import EXPLAINED_MM, FEW
 
 __all__ = ["gross_mistake"]
-
-#: a mistake explains a part whose readings, but for the share of odd ones, lie this near, mm; no
-#: machine of this kind errs by more
-_EXPLAINED_MM, _ODD = 0.1, 0.05
 
 
 @dataclass(frozen=True)
@@ -60,8 +57,8 @@ def _amounts_mm(part: Measurement, columns: np.ndarray) -> np.ndarray | None:
     every = np.hstack([columns, part.nuisance])
     residual = part.measured_mm - part.predicted_mm
     found = np.linalg.lstsq(every, residual, rcond=None)[0]
-    is_odd = np.abs(residual - every @ found) > _EXPLAINED_MM
-    return found[: columns.shape[1]] if is_odd.mean() <= _ODD else None
+    is_odd = np.abs(residual - every @ found) > EXPLAINED_MM
+    return found[: columns.shape[1]] if is_odd.mean() <= FEW else None
 
 
 def _mistakes(part: Measurement) -> Iterator[_Mistake]:
@@ -90,7 +87,7 @@ def _question(mistake: _Mistake, amounts_mm: np.ndarray, job: Job) -> str:
     said = " and ".join(f"tool {n} were {_other_size(*own)}" for n, own in each.items())
     meant = {n: job.tools[n].diameter_mm + 2.0 * radius for n, (radius, _) in each.items()}
     others = [job.tools[n].diameter_mm for n in reversed(mistake.tools)]
-    is_near = np.abs(np.subtract([*meant.values()], others)).max() <= 2.0 * _EXPLAINED_MM
+    is_near = np.abs(np.subtract([*meant.values()], others)).max() <= 2.0 * EXPLAINED_MM
     if len(meant) > 1 and is_near:
         return f"the part is as if {said}: were the two exchanged?"
     return f"the part is as if {said}: is it that tool, and are its length and diameter right?"
@@ -102,6 +99,6 @@ def _other_size(radius_mm: float, length_mm: float) -> str:
     said = [
         f"{abs(size):.3f} mm {'larger' if size > 0 else 'smaller'} {what}"
         for what, size in sizes.items()
-        if abs(size) > _EXPLAINED_MM
+        if abs(size) > EXPLAINED_MM
     ]
     return " and ".join(said) or "as it is"

@@ -25,6 +25,7 @@ from vmach.path.preparation import Preparation
 from vmach.prediction import predict_surface
 
 __all__ = [
+    "EXPLAINED_MM",
     "FEW",
     "FINEST_MM",
     "MANY_UNCUT",
@@ -51,8 +52,9 @@ _MOST_OF_THEM = 0.5
 _OTHER_PART_MM = 0.5
 #: a probe touches within some tenths of the place that it is sent to
 _BESIDE_MM = 1.0
-#: a motion that leaves points this near (median, mm) is what was done to them
-_EXPLAINED_MM = 0.1
+#: a motion that leaves points this near (median, mm) is what was done to them; so is a wrong tool
+#: or work offset that leaves all but odd ones so. Chosen: no machine of this kind errs by more
+EXPLAINED_MM = 0.1
 #: share of the readings up to which odd ones are chips under the probe; more have a cause
 FEW = 0.05
 #: share of points that no move cut from which on a wrong zero or unit is as likely as odd points
@@ -262,12 +264,12 @@ def check_aligned(
 
 def _is_on_normals(points: SurfacePoints) -> bool:
     """Whether most measured points lie on the normals of the nominal ones: none tells its place."""
-    return bool(np.median(_beside_normals_mm(points)) <= _EXPLAINED_MM)
+    return bool(np.median(_beside_normals_mm(points)) <= EXPLAINED_MM)
 
 
 def _is_elsewhere(points: SurfacePoints, seat: Seat) -> bool:
     """Whether a large motion of the part is what keeps most of the points away."""
-    is_explained = np.median(np.abs(_beside(points, seat))) <= _EXPLAINED_MM
+    is_explained = np.median(np.abs(_beside(points, seat))) <= EXPLAINED_MM
     return bool(is_explained) and seat.size_mm(points) > _OTHER_PART_MM
 
 
