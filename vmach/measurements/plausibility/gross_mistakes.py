@@ -95,10 +95,13 @@ def _question(mistake: _Mistake, amounts_mm: np.ndarray, job: Job) -> str:
 
 def _other_size(radius_mm: float, length_mm: float) -> str:
     """In words; what is as small as what stays unexplained is not said."""
-    sizes = {"in diameter": 2.0 * radius_mm, "in length": length_mm}
+    sizes = {
+        ("larger in diameter", "smaller in diameter"): 2.0 * radius_mm,
+        ("longer", "shorter"): length_mm,
+    }
     said = [
-        f"{abs(size):.3f} mm {'larger' if size > 0 else 'smaller'} {what}"
-        for what, size in sizes.items()
+        f"{abs(size):.3f} mm {more if size > 0 else less}"
+        for (more, less), size in sizes.items()
         if abs(size) > EXPLAINED_MM
     ]
     return " and ".join(said) or "as it is"
