@@ -17,7 +17,7 @@ from .nature_foreign import FOREIGN
 from .nature_heat import HEAT
 from .nature_motion import MOTION
 from .nature_tables import TABLES
-from .nature_unforeseen import UNFORESEEN
+from .nature_unforeseen import TRIED_ALONE, UNFORESEEN
 from .part import TOOLS, Part, PartDesign, random_part
 from .shares import alignment_columns, deviation_um, least_own_um, share_um, visible_um
 from .state import Hidden, State, state_of
@@ -25,7 +25,7 @@ from .state import Hidden, State, state_of
 __all__ = ["FOREIGN_KINDS", "SINGLE_KINDS", "Experiment", "make_experiment"]
 
 KNOWN = (*MOTION, *HEAT, *CLAMPING, *CUTTING, *TABLES)
-KINDS = {f.__name__: f for f in (*KNOWN, *FOREIGN, *UNFORESEEN)}
+KINDS = {f.__name__: f for f in (*KNOWN, *FOREIGN, *UNFORESEEN, *TRIED_ALONE)}
 FOREIGN_KINDS = tuple(f.__name__ for f in (*FOREIGN, *UNFORESEEN))
 SINGLE_KINDS = tuple(f.__name__ for f in KNOWN)
 #: an effect that shows less than this after the part's alignment is drawn again, and so are

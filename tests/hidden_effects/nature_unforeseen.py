@@ -222,6 +222,19 @@ def pulsing_oil(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
     return Hidden("pulsing_oil", ("unknown",), {"period_s": period}, move)
 
 
+def creeping_axis(rng: np.random.Generator, machine: TrueMachine) -> Hidden:
+    """After a reversal an axis stands behind, and creeps to its place over centimetres."""
+    axis, size, way = int(rng.integers(2)), rng.uniform(10, 18), rng.uniform(15, 60)
+
+    def move(state: State) -> np.ndarray:
+        behind = size * UM * np.exp(-state.since_reversal_mm[:, axis] / way)
+        e = np.zeros_like(state.nose_mm)
+        e[:, axis] = -behind * state.sign[:, axis]
+        return e
+
+    return Hidden("creeping_axis", ("unknown",), {"axis": "XY"[axis], "way_mm": way}, move)
+
+
 #: made up when the forms were what they are; nothing was tuned on them
 LATER = (swinging_head, nodding_column, loose_gib, swelling_walls, pulsing_oil)
 
@@ -238,3 +251,6 @@ UNFORESEEN = (
     stick_slip,
     *LATER,
 )
+
+#: for single tests; counts do not draw them, so that their seeds go on to mean the same machines
+TRIED_ALONE = (creeping_axis,)

@@ -163,6 +163,17 @@ class FormColumns:
             columns -= self._zeros.columns_mm(form)[rows]
         return columns
 
+    def near(self, form: Form) -> list[Form]:
+        """The form with other ways and times of its states, each in turn."""
+        firsts = (replace(form, first=state) for state in form.first.near)
+        seconds = (replace(form, second=state) for state in form.second.near)
+        forms = [*firsts, *seconds]
+        for one in forms:
+            for state in one.states:
+                if state not in self._states:
+                    self._states[state] = _values(self._survey, state)
+        return forms
+
     def simpler(self, form: Form) -> list[Form]:
         """Forms on the list with one of its states alone, or along an axis in place of a turn."""
         states = [s for s in form.states if len(form.states) > 1] or [form.second]

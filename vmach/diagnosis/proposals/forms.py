@@ -200,7 +200,22 @@ class Forms:
     def _extended(
         self, here: Explanation, leading: Sequence[Form], *, but: AbstractSet[str] = frozenset()
     ) -> Explanation:
-        """An explanation with the best of some forms, without what it makes needless, but some."""
+        """An explanation with the best of some forms, without what it makes needless, but some.
+
+        Ways and times of the best are fitted finer than forms are listed.
+        """
+        best = self._best(here, leading)
+        if best is None:
+            return here
+        if near := self._columns.near(best[1]):
+            finer = self._best(here, near)
+            best = max(best, finer or best, key=lambda pair: round(pair[0].score, TIE))
+        extended, form = best
+        self._chosen[form.label] = form
+        return without_needless(self._with(leading), extended, but=but)
+
+    def _best(self, here: Explanation, leading: Sequence[Form]) -> tuple[Explanation, Form] | None:
+        """An explanation with that of some forms that makes it the most probable, and the form."""
         weighing, little = self._with(leading), beside_little(here).posterior.sizes
 
         def fitted(form: Form) -> Explanation:
@@ -212,11 +227,7 @@ class Forms:
 
         # one at a time: a fit of many readings takes much memory
         pairs = ((fitted(form), form) for form in leading)
-        best = max(pairs, key=lambda pair: round(pair[0].score, TIE), default=None)
-        if best is None:
-            return here
-        self._chosen[best[1].label] = best[1]
-        return without_needless(weighing, best[0], but=but)
+        return max(pairs, key=lambda pair: round(pair[0].score, TIE), default=None)
 
     def holds(self, found: Explanation, k: int, form: Term) -> bool:
         """Whether what effect k of an explanation does is all in the span of a form."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -29,13 +29,16 @@ __all__ = [
     "states_of",
 ]
 
-#: way over which what follows a reversal fades, mm
-_FADES_MM = (1.0, 10.0)
+#: way over which what follows a reversal fades, mm: spikes of friction, joints, and creep
+_FADES_MM = (1.0, 10.0, 40.0)
 #: speed over which the friction of a guide falls as its oil carries, m/min; chosen (the Stribeck
 #: curve, B. Armstrong-Hélouvry et al., Automatica 30 (1994) 1083)
 _SLOW_M_MIN = 0.2
 #: time constants of what warms or settles, s; a factor of four apart, the best is never far
 _SETTLES_S = (75.0, 300.0, 1200.0, 4800.0)
+#: factor by which a way or a time of what leads is made shorter and longer: a third, in powers, of
+#: that between two on the list
+_FINER = 4.0 ** (1.0 / 3.0)
 #: half turns at most of a smooth curve along an axis
 HALF_TURNS = 4
 
@@ -60,6 +63,8 @@ class State:
         Whether its sign turns where the path is cut in the opposite direction.
     axis : str
         The one whose motion it is, of states of motion.
+    near : tuple of State
+        The same with another way or time, which are fitted where it leads.
     """
 
     kind: str
@@ -69,6 +74,7 @@ class State:
     each: tuple[str, ...] = ("",)
     turns: bool = False
     axis: str = ""
+    near: tuple[State, ...] = ()
 
     @property
     def needs_surface(self) -> bool:
@@ -271,33 +277,47 @@ def _of_axis(k: int, axis: str) -> Iterator[State]:
     # controls round off short straight moves or do not
     on_arcs = f"{pull} * path.on_arc"
     yield moves("acceleration", f"acceleration of {axis} on arcs in m/s²", on_arcs)
-    for fade in _FADES_MM:
-        code = f"path.play_side[:, {k}] * np.exp(-path.travel_since_reversal_mm[:, {k}] / {fade})"
-        words = f"what fades {fade:g} mm after {axis} turned"
-        yield moves("travel since reversal", words, code, turns=True)
+    yield from _with_near(_FADES_MM, partial(_fading, k, axis))
     for power in (1, 2):
         place = f"(0.01 * path.nose_mm[:, {k}]) ** {power}"
         yield State("position", f"{axis}{'²' * (power == 2)} in 100 mm", place)
 
 
+def _fading(k: int, axis: str, way_mm: float) -> State:
+    code = f"path.play_side[:, {k}] * np.exp(-path.travel_since_reversal_mm[:, {k}] / {way_mm})"
+    words = f"what fades {way_mm:g} mm after {axis} turned"
+    return State("travel since reversal", words, code, turns=True, axis=axis)
+
+
+def _with_near(scales: Sequence[float], made: Callable[[float], State]) -> Iterator[State]:
+    """A state of each scale, with those a little shorter and longer near it."""
+    for scale in scales:
+        # two digits say as much as readings do
+        near = (made(float(f"{scale * f:.2g}")) for f in (1.0 / _FINER, _FINER))
+        yield replace(made(scale), near=tuple(replace(one, looked_at=2.0) for one in near))
+
+
 def _of_time() -> Iterator[State]:
     yield State("time", "time in hours", "path.time_s / 3600.0")
     yield State("order of measuring", "order of measuring", "np.linspace(0.0, 1.0, len(path))")
-    for tau in _SETTLES_S:
-        yield State(
-            "warm-up",
-            f"warm-up within {tau:g} s",
-            f"-np.expm1(-np.maximum(path.time_s, 0.0) / {tau})",
-        )
-        yield State(
-            "time since tool change",
-            f"time since the tool change, settling within {tau:g} s",
-            f"-np.expm1(-path.time_since_tool_change_s / {tau})",
-        )
-        yield State(
-            "spindle", f"warmth of the spindle within {tau:g} s",
-            f"path.warmth_of_spindle({tau}, 1.0)",
-        )  # fmt: skip
+    for made in (_warm_up, _since_tool_change, _warmth_of_spindle):
+        yield from _with_near(_SETTLES_S, made)
+
+
+def _warm_up(tau_s: float) -> State:
+    code = f"-np.expm1(-np.maximum(path.time_s, 0.0) / {tau_s})"
+    return State("warm-up", f"warm-up within {tau_s:g} s", code)
+
+
+def _since_tool_change(tau_s: float) -> State:
+    words = f"time since the tool change, settling within {tau_s:g} s"
+    code = f"-np.expm1(-path.time_since_tool_change_s / {tau_s})"
+    return State("time since tool change", words, code)
+
+
+def _warmth_of_spindle(tau_s: float) -> State:
+    words = f"warmth of the spindle within {tau_s:g} s"
+    return State("spindle", words, f"path.warmth_of_spindle({tau_s}, 1.0)")
 
 
 def _of_tool(path: Circumstances) -> Iterator[State]:
