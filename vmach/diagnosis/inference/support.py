@@ -99,8 +99,7 @@ def supports_of(
         more, prior = in_its_place(weighing, found, k)
         # without it beside the noise that this leaves: odd readings call for no effect
         fewer = score_with_tails(weighing, weighing.without(found, [k]), own - _CERTAIN)
-        odds = own - fewer + more
-        supports.append(Support(odds, size, rest, prior=max(prior, 0.0)))
+        supports.append(Support(own - fewer + more, size, rest, prior=max(prior, 0.0)))
     return _with_shares(weighing, found, supports)
 
 
@@ -138,8 +137,7 @@ def in_its_place(weighing: Weighing, found: Explanation, k: int) -> tuple[float,
     float
         Log odds beforehand that the machine has the one that is there: a mean over all of them.
     """
-    term = found.terms[k]
-    own = weighing.index_of(term.label)
+    own = weighing.index_of(found.terms[k].label)
     gains = weighing.gains(weighing.without(found, [k], resize=False))
     rivals = [i for i, c in enumerate(weighing.candidates) if c.label not in found.labels]
     every = [weighing.candidates[i] for i in (own, *rivals)]

@@ -254,14 +254,16 @@ def _settled(
     lead_on: Callable[[Weighing, Explanation], Explanation],
 ) -> tuple[Weighing, Explanation]:
     """The most probable set that moves lead to, over its own contacts and beside its own noise."""
-    found = lead_on(weighing, start)
+    found, new = lead_on(weighing, start), True
     for _ in range(_PASSES):
-        before = weighing
+        before, labels = weighing, found.labels
         weighing, found = beside_own_noise(*over_own_contacts(weighing, found))
         if weighing is before:
             break
         # another noise may make needless what stood for it
-        found = lead_on(weighing, without_needless(weighing, found))
+        found = without_needless(weighing, found)
+        found = lead_on(weighing, found) if new or found.labels != labels else found
+        new = found.labels != labels
     return weighing, found
 
 
@@ -271,9 +273,10 @@ def beside_forms(
     """Effects to judge, then what is of other causes and stays, and how many these are.
 
     An effect keeps about its size beside a form, or was found there. One that shrinks is an
-    imitation. One that grows is a part of the form's cause, and stays beside it. A form that holds
-    all of an effect and more, as a curve along an axis holds a scale, says nothing of one that
-    every machine has: it does not stand beside it.
+    imitation; one that grows is a part of the form's cause, and stays beside it. Before, it stands
+    beside as little discrepancy as the form leaves: a large one would hide it. A form that holds
+    all of an effect and more, as a curve holds a scale, says nothing of one that every machine
+    has: it does not stand beside it.
 
     Returns
     -------
@@ -295,8 +298,9 @@ def beside_forms(
     among = forms.among(stay)
     sizes = dict(zip((t.label for t in grown.terms), sizes_um(weighing, grown), strict=True))
     beside = {term.label: term for term in grown.terms}
+    alone = weighing.explain(found.terms, grown.posterior.sizes, refine=False, resize=False)
     effects, gone = [], []
-    for k, (term, size) in enumerate(zip(found.terms, sizes_um(weighing, found), strict=True)):
+    for k, (term, size) in enumerate(zip(found.terms, sizes_um(weighing, alone), strict=True)):
         if KEPT * size < sizes.get(term.label, 0.0) < size / KEPT or k in held:
             effects.append(beside.get(term.label, term))
             continue
