@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
@@ -160,41 +161,46 @@ def led(weighing: Weighing) -> tuple[Weighing, Explanation, Forms, Explanation]:
     moved = chosen_by_all(forms.among(chosen), grown) if chosen else None
     if moved is None:
         return weighing, found, forms, grown
-    effects = weighing.effects
+    effects, terms, kept = weighing.effects, found.terms, found.labels & grown.labels
     weighing.release()
     del weighing, found, forms, grown  # large, and of other contacts
-    return _led(prepare_weighing(moved, effects), by_forms=True)
+    return _with_forms(*_taken_over(prepare_weighing(moved, effects), terms, by_forms=True), kept)
 
 
-def _led(
-    weighing: Weighing, *, by_forms: bool = False
-) -> tuple[Weighing, Explanation, Forms, Explanation]:
-    """The same over contacts that effects choose, or that forms chose.
+def _led(weighing: Weighing) -> tuple[Weighing, Explanation, Forms, Explanation]:
+    """The same over contacts that effects choose.
 
     Of many readings some are searched first. Where no form takes the place of effects there, none
     is tried in the place of these on all readings: that takes long.
     """
-    seek = _sought_as_they_are if by_forms else _sought
-    few, sure = weighing.survey.thinned(_SEARCHED), frozenset[str]()
+    few, beside = weighing.survey.thinned(_SEARCHED), None
     if few is weighing.survey:
-        weighing, found = seek(weighing)
+        weighing, found = _sought(weighing)
     else:
-        some, found = seek(prepare_weighing(few, weighing.effects))
+        some, found = _sought(prepare_weighing(few, weighing.effects))
         terms, grown = found.terms, Forms(some, found).grown(found)
-        sure = frozenset() if _forms_of(grown) else found.labels & grown.labels
+        beside = None if _forms_of(grown) else found.labels & grown.labels
         some.release()
-        weighing, found = _taken_over(weighing, terms, by_forms=by_forms)
+        weighing, found = _taken_over(weighing, terms)
+    return _with_forms(weighing, found, beside)
+
+
+def _with_forms(
+    weighing: Weighing, found: Explanation, beside: AbstractSet[str] | None
+) -> tuple[Weighing, Explanation, Forms, Explanation]:
+    """Effects as nature has them, and forms beside some of them, or in the place of any."""
     weighing, found = as_defined(weighing, search_possible(weighing, found))
     forms = Forms(weighing, found)
-    return weighing, found, forms, forms.grown(found, sure=sure)
+    return weighing, found, forms, forms.grown(found, beside=beside)
 
 
 def _taken_over(
-    weighing: Weighing, terms: Sequence[Term], *, by_forms: bool
+    weighing: Weighing, terms: Sequence[Term], *, by_forms: bool = False
 ) -> tuple[Weighing, Explanation]:
-    """What some of the readings led to, fitted to all, and what all lead to beside it.
+    """What some of the readings, or other contacts, led to, and what all lead to beside it.
 
-    Their noise comes first: taken for white, it would be told as effects.
+    Their noise comes first: taken for white, it would be told as effects. Effects alone would not
+    choose contacts that forms chose.
     """
     # what a few readings show may be nothing that all do
     shown = {candidate.label for candidate in weighing.candidates}
@@ -223,12 +229,6 @@ def _sought(weighing: Weighing) -> tuple[Weighing, Explanation]:
     return _settled(weighing, found, search_beyond)
 
 
-def _sought_as_they_are(weighing: Weighing) -> tuple[Weighing, Explanation]:
-    """The same over contacts that a form chose: effects alone would not."""
-    weighing, found = beside_own_noise(weighing, search(weighing, weighing.nothing()))
-    return weighing, search_beyond(weighing, without_needless(weighing, found))
-
-
 def _forms_of(grown: Explanation) -> list[Term]:
     return [term for term in grown.terms if isinstance(term.effect, FormEffect)]
 
@@ -254,7 +254,7 @@ def _settled(
     lead_on: Callable[[Weighing, Explanation], Explanation],
 ) -> tuple[Weighing, Explanation]:
     """The most probable set that moves lead to, over its own contacts and beside its own noise."""
-    found, new = lead_on(weighing, start), True
+    found, led_from = lead_on(weighing, start), start.labels
     for _ in range(_PASSES):
         before, labels = weighing, found.labels
         weighing, found = beside_own_noise(*over_own_contacts(weighing, found))
@@ -262,8 +262,8 @@ def _settled(
             break
         # another noise may make needless what stood for it
         found = without_needless(weighing, found)
-        found = lead_on(weighing, found) if new or found.labels != labels else found
-        new = found.labels != labels
+        found = found if led_from == labels == found.labels else lead_on(weighing, found)
+        led_from = labels
     return weighing, found
 
 

@@ -64,7 +64,7 @@ class Forms:
         self._leading = LeadingForms(weighing, self._columns)
         self._chosen: dict[str, Form] = {}
 
-    def grown(self, found: Explanation, *, sure: AbstractSet[str] = frozenset()) -> Explanation:
+    def grown(self, found: Explanation, *, beside: AbstractSet[str] | None = None) -> Explanation:
         """An explanation with forms added while that is clearly more probable.
 
         Effects may imitate another cause: forms compete with all of them, and with those that the
@@ -74,12 +74,12 @@ class Forms:
         Parameters
         ----------
         found : Explanation
-        sure : set of str
-            Labels of those of its effects in whose place no form is tried.
+        beside : set of str, optional
+            Labels of those of its effects that stay beside forms, where that is known.
         """
         start = self._start(found)
         best = self._grown(start)
-        for fewer in self._with_fewer(found, start, sure):
+        for fewer in self._with_fewer(found, start, beside):
             alone = self._alone(fewer, best)
             is_clear = alone.score > best.score + CLEARLY
             if is_clear and not self._says_the_same(found, best.labels, alone.labels):
@@ -143,7 +143,7 @@ class Forms:
         return moved - self._weighing.survey.aligned(moved)
 
     def _with_fewer(
-        self, found: Explanation, start: Explanation, sure: AbstractSet[str]
+        self, found: Explanation, start: Explanation, beside: AbstractSet[str] | None
     ) -> Iterator[Explanation]:
         """Without any effect, and without those that the search needs least: one, two, ...
 
@@ -152,16 +152,21 @@ class Forms:
         found : Explanation
         start : Explanation
             The same where forms are candidates.
-        sure : set of str
-            Labels of effects that stay.
+        beside : set of str or None
+            Labels of those that stay, where that is known.
         """
-        free = [k for k, term in enumerate(found.terms) if term.label not in sure]
-        if len(free) == len(found.terms) > 0:
-            yield self._with(()).nothing()
-        without = [self._weighing.without(found, [k]).score for k in free]
-        order = [free[k] for k in np.argsort(without)[::-1].tolist()]
-        for count in range(1, min(len(order), len(found.terms) - 1) + 1):
-            yield self._with(()).without(start, order[:count])
+        weighing, count = self._with(()), len(found.terms)
+        if beside is not None:
+            gone = [k for k, term in enumerate(found.terms) if term.label not in beside]
+            if gone:
+                yield weighing.without(start, gone)
+            return
+        if count:
+            yield weighing.nothing()
+        without = [self._weighing.without(found, [k]).score for k in range(count)]
+        order = np.argsort(without)[::-1].tolist()
+        for fewer in range(1, count):
+            yield self._with(()).without(start, order[:fewer])
 
     def _is_worth_a_form(self, here: Explanation) -> bool:
         """Whether as much remains; a factor on the stated uncertainty may stand for a form."""
