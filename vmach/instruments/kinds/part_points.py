@@ -1,7 +1,6 @@
 """CMM points of the job's part as a `Measurement`.
 
-Source: closed form derived here: second differences of independent readings have the variance 6
-u^2; the median absolute deviation times 1.4826 is the standard deviation of normal noise.
+Source: closed form derived here: a number that is rounded to r has the uncertainty r / sqrt(12).
 """
 
 from __future__ import annotations
@@ -17,7 +16,11 @@ from vmach.base.units import um_from_mm
 from vmach.machine import Variant
 from vmach.measurements.instrument import Instrument
 from vmach.measurements.measurement import Measurement
-from vmach.measurements.neighbours import apart_from_neighbours
+from vmach.measurements.neighbours import (
+    apart_from_neighbours,
+    scatter_of_neighbours,
+    unfiltered_scatter,
+)
 from vmach.measurements.plausibility.alternatives import alternative_notes
 from vmach.measurements.plausibility.gross_mistakes import gross_mistake
 from vmach.measurements.plausibility.part_alternatives import part_alternatives
@@ -263,7 +266,8 @@ def _without_outliers(part: Measurement) -> Measurement:
 
 def _doubtful_uncertainty(part: Measurement) -> tuple[Note, ...]:
     """A note where neighbouring points scatter far more than their uncertainty says."""
-    scatter, u_mm = _scatter_of_neighbours_mm(part), float(np.median(part.u_mm))
+    scatter = scatter_of_neighbours(beside_pose_mm(part), part.group)
+    u_mm = float(np.median(part.u_mm))
     if scatter < _DOUBTFUL * u_mm:
         return ()
     said = (
@@ -280,17 +284,7 @@ def _uncertainty_mm(part: Measurement, points: SurfacePoints) -> float:
     Readings that are all rounded to what was predicted would scatter by nothing.
     """
     rounding = rounding_mm(points) / np.sqrt(12.0)
-    return max(_scatter_of_neighbours_mm(part), rounding, FINEST_MM)
-
-
-def _scatter_of_neighbours_mm(part: Measurement) -> float:
-    """Standard uncertainty from second differences within each group; robust, in mm."""
-    residual = beside_pose_mm(part)
-    bends = [np.diff(residual[part.group == group], 2) for group in np.unique(part.group)]
-    bend = np.concatenate(bends)
-    if len(bend) == 0:
-        return float(np.std(residual))
-    return float(1.4826 * np.median(np.abs(bend)) / np.sqrt(6.0))
+    return max(unfiltered_scatter(beside_pose_mm(part), part.group), rounding, FINEST_MM)
 
 
 def _listed(names: np.ndarray, most: int = 6) -> str:
