@@ -70,3 +70,6 @@ def test_circles_turn_as_they_are_called(plane, asked):
     assert circle_notes(runs, angle, plane) == ()
     assert bool(circle_notes(runs, -angle, plane)) == asked
     assert circle_notes(np.repeat(["first", "second"], 180), -angle, plane) == ()
+    numbered = np.repeat(["CCW1", "cw 1000"], 180)  # as an import names them, and as people do
+    assert circle_notes(numbered, angle, plane) == ()
+    assert bool(circle_notes(numbered, -angle, plane)) == asked

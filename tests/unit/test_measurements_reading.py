@@ -136,6 +136,15 @@ def test_diagonal_without_length_is_refused(tmp_path):
         read_instruments(read_job(job_path))
 
 
+@pytest.mark.parametrize(("distances", "line"), [([0, 200, 420], 4), ([-5, 200, 400], 2)])
+def test_places_beyond_a_diagonal_are_refused(tmp_path, distances, line):
+    """It is 412.3 mm long: longer ones are of another diagonal, or count from elsewhere."""
+    job_path = write_job(tmp_path, more=DIAGONAL)
+    (tmp_path / "diagonal.csv").write_text(diagonal_rows(distances, [1, 1, 1]))
+    with pytest.raises(InputError, match=rf"diagonal\.csv:{line}: distance_mm is .* beyond an end"):
+        read_instruments(read_job(job_path))
+
+
 def test_ballbar_turns_both_ways(tmp_path):
     """A scale error of X shows as s R cos^2, servo mismatch with the sign of the turn."""
     job_path = write_job(tmp_path, more=BALLBAR)

@@ -92,7 +92,7 @@ def read(folder, job, text):
         (AXIS, laser(header="run,position_mm,approach,t_s,deviation_um,deviation_um",
                      change=lambda r: [*r, 0]),
          r"csv:1: column 'deviation_um' is there 2 times; accepted: every column once"),
-        (AXIS, laser(with_cell(3, lambda t: f"1_0{t}")), r"csv:2: t_s is '1_00.0'; accepted: a fi"),
+        (AXIS, laser(with_cell(3, lambda t: f"1_0{t}")), r"csv:2: t_s is '1_00.0'; accepted: seco"),
         (AXIS, laser(with_cell(4, "\u0661\u0662")), "csv:2: deviation_um is '\u0661\u0662'; acc"),
         (DRIFT, drift(with_cell(0, lambda t: 1.7e9 + t)), r"t_s is 1700000000; .*calendar"),
     ],

@@ -29,6 +29,7 @@ from vmach.measurements.plausibility.alternatives import (
 )
 from vmach.measurements.plausibility.motion_check import check_times
 from vmach.measurements.plausibility.reading_check import (
+    SIGNS_ACCEPTED,
     check_readings,
     check_signs,
     check_spindle,
@@ -45,6 +46,9 @@ from vmach.plausibility import doubtful_length
 from vmach.prediction import ActingEffect, displacement_of, of_machine
 
 __all__ = ["read_instruments", "settings_of"]
+
+#: what a column of times holds
+_SECONDS = "seconds since the cold start of this test, such as 12.5, and no time of day"
 
 
 def read_instruments(job: Job, *, effects: Sequence[ActingEffect] = ()) -> tuple[Measurement, ...]:
@@ -128,8 +132,9 @@ def _read(settings: Instrument, path: Path) -> tuple[Columns, tuple[Note, ...]]:
     text = [name for name in every if name in settings.text_columns]
     numbers = [name for name in every if name not in settings.text_columns]
     table = read_side_by_side(path, settings.columns) if settings.has_runs else None
+    accepted = {"t_s": _SECONDS, **dict.fromkeys(settings.signs, SIGNS_ACCEPTED)}
     table = table or read_columns(
-        path, numbers=numbers, text=text, optional=settings.optional_columns
+        path, numbers=numbers, text=text, optional=settings.optional_columns, accepted=accepted
     )
     if settings.follows_program:
         return table, repeat_notes(table)

@@ -10,15 +10,15 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from vmach.errors import InputError
+from vmach.measurements.columns import Columns
 from vmach.path.instrument_motion import MotionRecord
 from vmach.path.toolpath import PathStates
 
-__all__ = ["Circle", "circles"]
+__all__ = ["Circle", "circles", "turned_rad"]
 
 #: the shortest run-up: it settles the direction of the axes; and the longest
 _LEAST_RAD, _MOST_RAD = np.radians(10.0), np.pi
@@ -26,6 +26,12 @@ _LEAST_RAD, _MOST_RAD = np.radians(10.0), np.pi
 _SHARE_OF_PAUSE = 0.8
 #: time before the first reading in which the first run-up is gone, however slow the feed
 _BEFORE_S = 60.0
+#: a run that goes back by more than this is two; chosen: beyond what angles are rounded to
+_BACK_RAD = np.radians(5.0)
+#: steps that tell how fast a run turns, whichever way round; between longer ones rows are missing
+_SHORT_RAD = 0.5 * np.pi
+#: shortest time between two rows that turn
+_QUICKEST_S = 1e-6
 
 
 @dataclass(frozen=True)
@@ -58,24 +64,25 @@ class Circle:
 
 
 def circles(
-    circle: Circle, angle_rad: np.ndarray, time_s: np.ndarray, *, group: np.ndarray, path: Path
+    circle: Circle, angle_rad: np.ndarray, table: Columns, *, group: np.ndarray
 ) -> PathStates:
     """States at the readings of a test, run after run.
 
     Parameters
     ----------
     circle : Circle
-    angle_rad, time_s : (P,) float64
+    angle_rad : (P,) float64
+    table : Columns
+        The file, with ``t_s`` and ``run``.
     group : (P,) str
         The run of each reading; the rows of one run follow each other.
-    path : Path
-        The file, for messages.
 
     Raises
     ------
     InputError
-        A run that does not turn.
+        A run that does not turn, or that turns back.
     """
+    time_s = table.numbers["t_s"]
     record = MotionRecord(
         circle.centre_mm,
         tool_length_mm=circle.tool_length_mm,
@@ -83,7 +90,7 @@ def circles(
     )
     starts = np.flatnonzero(np.concatenate([[True], group[1:] != group[:-1]]))
     runs = [slice(*ends) for ends in zip(starts, [*starts[1:], len(group)], strict=True)]
-    turned = [_turned(angle_rad[run], time_s[run], group, path, int(run.start)) for run in runs]
+    turned = [turned_rad(angle_rad[run], table.take(run)) for run in runs]
     speed = [np.ptp(a) / np.ptp(time_s[run]) for a, run in zip(turned, runs, strict=True)]
     between = [
         _unseen_rad(time_s[after.start] - time_s[before.stop - 1], speed[k], speed[k + 1])
@@ -106,19 +113,51 @@ def circles(
     return record.states(move, parameter)
 
 
-def _turned(
-    angle: np.ndarray, time: np.ndarray, group: np.ndarray, path: Path, first: int
-) -> np.ndarray:
-    """Angle of one run without jumps of a whole turn."""
-    turned = np.unwrap(angle)
-    if len(angle) < 2 or turned[-1] == turned[0] or time[-1] <= time[0]:
-        raise InputError(
-            f"run '{group[first]}' does not turn",
-            file=path,
-            line=int(first) + 2,
-            accepted="rows of one run one after the other, in the order of time",
-        )
+def turned_rad(angle_rad: np.ndarray, table: Columns) -> np.ndarray:
+    """Angle of one run without jumps of a whole turn: where rows are missing, the time tells.
+
+    Parameters
+    ----------
+    angle_rad : (P,) float64
+    table : Columns
+        The rows of the run.
+
+    Raises
+    ------
+    InputError
+        A run that does not turn, or that turns back.
+    """
+    step, pause = np.diff(angle_rad), np.diff(table.numbers["t_s"])
+    run = table.text["run"][0]
+    if len(angle_rad) < 2 or not pause.any():
+        raise _refused(f"no time passes in run '{run}'", table, 0)
+    short = np.abs(_within_half_a_turn(step)) < _SHORT_RAD
+    rate = _within_half_a_turn(step[short]).sum() / max(pause[short].sum(), _QUICKEST_S)
+    expected = rate * pause
+    turned = angle_rad[0] + np.cumsum([0.0, *(expected + _within_half_a_turn(step - expected))])
+    away = np.abs(turned - turned[0]) > _BACK_RAD
+    way = np.sign(turned[np.argmax(away) if away.any() else -1] - turned[0])
+    if way == 0.0:
+        raise _refused(f"run '{run}' does not turn", table, 0)
+    back = np.maximum.accumulate(way * turned) - way * turned
+    if back.max() > _BACK_RAD:
+        begun = int(np.argmax(way * turned[: int(np.argmax(back > _BACK_RAD))]))
+        raise _refused(f"run '{run}' turns back", table, begun + 1)
     return turned
+
+
+def _within_half_a_turn(angle_rad: np.ndarray) -> np.ndarray:
+    return (angle_rad + np.pi) % (2.0 * np.pi) - np.pi
+
+
+def _refused(what: str, table: Columns, row: int) -> InputError:
+    return InputError(
+        what,
+        file=table.path,
+        line=int(table.lines[row]),
+        accepted="rows of one run one after the other, in the order of time, all in one sense",
+        hint="circles in the other sense, or at another feed, are runs with names of their own",
+    )
 
 
 def _unseen_rad(pause_s: float, speed: float, next_speed: float) -> float:

@@ -1,18 +1,19 @@
-"""CSV files of instruments: named columns, checked."""
+"""CSV files of instruments: named columns, checked; lines that begin with # are comments."""
 
 from __future__ import annotations
 
+import io
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from vmach.errors import InputError
-from vmach.files.text_file import column_hint, csv_rows, decimal_number, read_text
+from vmach.files.text_file import column_hint, decimal_number, numbered_csv_rows, read_text
 
-__all__ = ["Columns", "finite_number", "read_columns", "rows_below"]
+__all__ = ["Columns", "checked_rows", "finite_number", "heading_and_rows", "read_columns"]
 
 
 @dataclass(frozen=True)
@@ -51,24 +52,25 @@ def read_columns(
     numbers: Sequence[str],
     text: Sequence[str] = (),
     optional: Sequence[str] = (),
+    accepted: Mapping[str, str] | None = None,
 ) -> Columns:
-    """Read a CSV file with a header; the order of the columns is free.
+    """Read a CSV file with a header; the order of the columns is free, and so are capitals.
 
-    Columns of `optional` are among the others, and may be missing.
+    Columns of `optional` are among the others, and may be missing. `accepted` says what numbers a
+    column holds, for messages.
 
     Raises
     ------
     InputError
         No such file, a column missing or there twice, no rows, a cell that is no finite number.
     """
-    rows = list(csv_rows(read_text(path, what="measurement file").splitlines(), path))
-    header = [cell.strip() for cell in rows[0]] if rows else []
+    first, header, below = heading_and_rows(path, (*text, *numbers))
     for name in (*text, *numbers):
         if name not in header and name not in optional:
             raise InputError(
                 f"column '{name}' is missing",
                 file=path,
-                line=1,
+                line=first,
                 accepted=", ".join((*text, *numbers)),
                 hint=column_hint(header),
             )
@@ -78,43 +80,77 @@ def read_columns(
         raise InputError(
             f"column '{twice[0]}' is there {header.count(twice[0])} times",
             file=path,
-            line=1,
+            line=first,
             accepted="every column once",
         )
-    body = rows_below(rows, path)
+    body = checked_rows(below, len(header), first, path)
     cells = {name: [row[k].strip() for _, row in body] for k, name in enumerate(header)}
-    values = {name: _numbers(cells[name], name, path, body) for name in numbers}
+    values = {
+        name: np.array([
+            finite_number(cell, name, path, line, (accepted or {}).get(name))
+            for cell, (line, _) in zip(cells[name], body, strict=True)
+        ])
+        for name in numbers
+    }  # fmt: skip
     lines = np.array([line for line, _ in body])
     return Columns(path, lines, {name: np.array(cells[name]) for name in text}, values)
 
 
-def rows_below(rows: Sequence[list[str]], path: Path) -> list[tuple[int, list[str]]]:
-    """Rows below the heading that hold something, each with its line.
+def heading_and_rows(
+    path: Path, known: Sequence[str]
+) -> tuple[int, list[str], list[tuple[int, list[str]]]]:
+    """Line of the heading, its cells, and the rows below that hold something, each with its line.
+
+    Comments and empty lines are left out. A cell of the heading that is one of the `known` names
+    but for capitals becomes that name.
+
+    Raises
+    ------
+    InputError
+        No such file, or an empty one.
+    """
+    # a line may end within quotation marks
+    text = io.StringIO(read_text(path, what="measurement file"))
+    rows = [
+        (line, row)
+        for line, row in numbered_csv_rows(text, path)
+        if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
+    ]
+    if not rows:
+        raise InputError("the file is empty", file=path, accepted=f"a heading {', '.join(known)}")
+    own = {name.lower(): name for name in known}
+    (first, heading), *below = rows
+    cells = [cell.strip() for cell in heading]
+    return first, [own.get(cell.lower(), cell) for cell in cells], below
+
+
+def checked_rows(
+    rows: list[tuple[int, list[str]]], width: int, first: int, path: Path
+) -> list[tuple[int, list[str]]]:
+    """The rows below a heading.
 
     Raises
     ------
     InputError
         No rows, or one with more or fewer cells than the heading.
     """
-    body = [(line, row) for line, row in enumerate(rows[1:], 2) if any(row)]
-    if not body:
+    if not rows:
         raise InputError("no rows of data", file=path)
-    for line, row in body:
-        if len(row) != len(rows[0]):
+    for line, row in rows:
+        if len(row) != width:
             raise InputError(
-                f"{len(row)} cells", file=path, line=line, accepted=f"{len(rows[0])} as in line 1"
+                f"{len(row)} cells",
+                file=path,
+                line=line,
+                accepted=f"{width} as in line {first}",
+                hint="is there a decimal comma? Numbers need a point" if len(row) > width else None,
             )
-    return body
+    return rows
 
 
-def _numbers(
-    cells: list[str], name: str, path: Path, body: Sequence[tuple[int, list[str]]]
-) -> np.ndarray:
-    pairs = zip(cells, body, strict=True)
-    return np.array([finite_number(cell, name, path, line) for cell, (line, _) in pairs])
-
-
-def finite_number(cell: str, name: str, path: Path, line: int) -> float:
+def finite_number(
+    cell: str, name: str, path: Path, line: int, accepted: str | None = None
+) -> float:
     """The number in a cell of a named column.
 
     Raises
@@ -124,7 +160,6 @@ def finite_number(cell: str, name: str, path: Path, line: int) -> float:
     """
     value = decimal_number(cell)
     if not np.isfinite(value):
-        raise InputError(
-            f"{name} is '{cell}'", file=path, line=line, accepted="a finite number such as -1.25"
-        )
+        accepted = accepted or "a finite number such as -1.25"
+        raise InputError(f"{name} is '{cell}'", file=path, line=line, accepted=accepted)
     return value

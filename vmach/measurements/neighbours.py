@@ -17,8 +17,8 @@ _FEWEST = 8
 #: readings twice as far apart that scatter by no more than so many times are independent; chosen:
 #: two such scatters of white noise differ by less from a hundred readings on
 _ALIKE = 1.2
-#: readings so many rows apart are independent, if a filter made them alike; chosen: of points 0.1 mm
-#: apart a filter of 2.5 mm reaches 25 rows
+#: readings so many rows apart are independent, if a filter made them alike; chosen: of points
+#: 0.1 mm apart a filter of 2.5 mm reaches 25 rows
 _FARTHEST = 32
 #: second differences of fewer readings say too little
 _FEWEST_BENDS = 100

@@ -14,12 +14,11 @@ from pathlib import Path
 import numpy as np
 
 from vmach.errors import InputError
-from vmach.files.text_file import csv_rows, read_text
-from vmach.measurements.columns import Columns, finite_number, rows_below
+from vmach.measurements.columns import Columns, checked_rows, finite_number, heading_and_rows
 
 __all__ = ["read_side_by_side"]
 
-_RUN = re.compile(r"(forward|backward)_(\d+)(?:_(\w+))?")
+_RUN = re.compile(r"(forward|backward)_(\d+)(?:_(\w+))?", re.IGNORECASE)
 #: sign of the motion into a place
 _SIDES = {"forward": 1.0, "backward": -1.0}
 
@@ -45,18 +44,17 @@ def read_side_by_side(path: Path, columns: Sequence[str]) -> Columns | None:
         no finite number.
     """
     run, place, side, reading = columns
-    every = list(csv_rows(read_text(path, what="measurement file").splitlines(), path))
-    header = [cell.strip() for cell in every[0]] if every else []
+    first, header, below = heading_and_rows(path, columns)
     if place not in header or not any(_RUN.fullmatch(name) for name in header):
         return None
     own = [_run_of(name, k, reading) for k, name in enumerate(header) if name != place]
     runs = [one for one in own if one is not None]
     if len(runs) < len(own) or len({(r.number, r.side) for r in runs}) < len(runs):
         raise InputError(
-            f"header '{', '.join(header)}'", file=path, line=1,
+            f"header '{', '.join(header)}'", file=path, line=first,
             accepted=f"{place}, forward_1, backward_1, forward_2, ... in the unit of {reading}",
         )  # fmt: skip
-    body = rows_below(every, path)
+    body = checked_rows(below, len(header), first, path)
     where = header.index(place)
     at = np.array([finite_number(cells[where].strip(), place, path, n) for n, cells in body])
     rows = []
@@ -87,6 +85,6 @@ class _Run:
 def _run_of(name: str, column: int, reading: str) -> _Run | None:
     """What a column of the header holds; None where that is no run in the unit of the reading."""
     found = _RUN.fullmatch(name)
-    if found is None or (found[3] and not reading.endswith(f"_{found[3]}")):
+    if found is None or (found[3] and not reading.endswith(f"_{found[3].lower()}")):
         return None
-    return _Run(int(found[2]), found[1], column)
+    return _Run(int(found[2]), found[1].lower(), column)

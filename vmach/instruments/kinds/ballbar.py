@@ -55,7 +55,7 @@ class Ballbar(Instrument):
         )
         angle, feed = np.radians(table.numbers["angle_deg"]), table.numbers["feed_mm_min"]
         group = np.char.add(np.char.add(table.text["run"], " "), feed.astype(str))
-        states = circles(circle, angle, table.numbers["t_s"], group=group, path=table.path)
+        states = circles(circle, angle, table, group=group)
         out = circle.outward(angle)
         check_feed(table, group, self.radius_mm)
         check_travel(circle.centre_mm + circle.radius_mm * out, table, model.travel_mm)

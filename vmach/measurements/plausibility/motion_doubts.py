@@ -7,6 +7,7 @@ Source: closed form derived here: lost motion leaves an axis behind its last mot
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -30,6 +31,9 @@ _CLEAR_MM, _CLEAR_U = 5e-3, 5.0
 _SHORTEST_DRIFT_S = 300.0
 #: planes in which an angle that grows goes counterclockwise, seen against the third axis
 _RIGHT_HANDED = ("XY", "YZ", "ZX")
+#: names of runs that say their sense, whatever number or feed stands behind it
+_SENSE = re.compile(r"(ccw|cw)(?![a-z])", re.IGNORECASE)
+_TURN = {"ccw": 1.0, "cw": -1.0}
 
 
 def approach_notes(nose_mm: np.ndarray, side: np.ndarray) -> tuple[Note, ...]:
@@ -123,18 +127,19 @@ def circle_notes(runs: Sequence[str], angle_rad: np.ndarray, plane: str) -> tupl
     """
     if plane not in _RIGHT_HANDED:
         return ()
-    names = np.char.lower(np.asarray(runs, dtype=str))
+    names = np.asarray(runs, dtype=str)
     wrong = []
-    for name, turn in (("ccw", 1.0), ("cw", -1.0)):
+    for name in dict.fromkeys(names.tolist()):
+        sense = _SENSE.match(name)
         rows = np.flatnonzero(names == name)
         steps = np.diff(angle_rad[rows])
         steps = (steps + np.pi) % (2.0 * np.pi) - np.pi
-        if len(steps) and np.sign(np.median(steps)) == -turn:
+        if sense and len(steps) and np.sign(np.median(steps)) == -_TURN[sense[1].lower()]:
             wrong.append(name)
     if not wrong:
         return ()
     said = (
-        f"run {' and '.join(wrong)} turns the other way in the plane {plane}: does angle_deg "
+        f"run {', '.join(wrong)} turns the other way in the plane {plane}: does angle_deg "
         f"count from {plane[0]} towards {plane[1]}?"
     )
     return (Note.question(Kind.SIGN, said, len(wrong), "1", place=f"plane {plane}"),)

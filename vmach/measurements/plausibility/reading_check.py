@@ -15,6 +15,7 @@ from vmach.errors import InputError
 from vmach.measurements.columns import Columns
 
 __all__ = [
+    "SIGNS_ACCEPTED",
     "check_readings",
     "check_signs",
     "check_spindle",
@@ -25,6 +26,7 @@ __all__ = [
 
 #: signs that a column of last motions holds
 _SIGNS = (-1.0, 0.0, 1.0)
+SIGNS_ACCEPTED = "1 after motion towards +, -1 towards -, 0 where it is not known"
 #: no milling spindle is faster, air bearings included
 _FASTEST_RPM = 300_000.0
 #: no deviation of a machine tool that still cuts is larger; offsets and radii of fixtures are
@@ -53,7 +55,7 @@ def check_signs(table: Columns, names: Sequence[str]) -> tuple[Note, ...]:
                 f"{name} is {value[wrong][0]:g}",
                 file=table.path,
                 line=table.line_of(wrong),
-                accepted="1 after motion towards +, -1 towards -, 0 where it is not known",
+                accepted=SIGNS_ACCEPTED,
             )
     if any(table.numbers[name].any() for name in names):
         return ()
