@@ -15,6 +15,7 @@ import numpy as np
 
 from vmach.files.text_file import decimal_number
 from vmach.importers.source_file import SourceFile
+from vmach.importers.time_of_day import CLOCK, is_time_of_day, seconds_of_day
 from vmach.machine.tables.error_table import MM_PER, RAD_PER
 
 __all__ = ["ANGLE", "LENGTH", "NUMBER", "SMALL", "SMALL_ANGLE", "SMALL_LENGTH", "SPEED", "TIME",
@@ -22,7 +23,7 @@ __all__ = ["ANGLE", "LENGTH", "NUMBER", "SMALL", "SMALL_ANGLE", "SMALL_LENGTH", 
 
 #: sizes of units in the unit of the project's own files: mm; um or urad; degrees; s; 1/min
 LENGTH = {**MM_PER, "in": 25.4, "inches": 25.4}
-SMALL_LENGTH = {unit: size * 1e3 for unit, size in LENGTH.items()}
+SMALL_LENGTH = {unit: size * 1e3 for unit, size in LENGTH.items()} | {"nm": 1e-3, "uin": 0.0254}
 SMALL_ANGLE = {unit: size * 1e6 for unit, size in RAD_PER.items()} | {
     "sec": 1e6 * RAD_PER["arcsec"]
 }
@@ -32,6 +33,17 @@ TIME = {"s": 1.0, "sec": 1.0, "min": 60.0, "h": 3600.0, "ms": 1e-3}
 SPEED = {"rpm": 1.0, "1/min": 1.0, "mm/min": 1.0, "mm/s": 60.0, "in/min": 25.4, "m/min": 1e3}
 NUMBER = None
 
+_UNIT_HINT = "--set unit=mm for lengths, or write the unit into the heading: 'Deviation (um)'"
+_TIME_HINT = "write the unit into the heading: 'Time (min)'; times of day are 08:59:30"
+#: of units
+_OTHER_NAMES = {
+    '"': "arcsec",
+    "micron": "um",
+    "microns": "um",
+    "uinch": "uin",
+    "microinch": "uin",
+    "mm/m": "mrad",
+}
 _SEPARATORS = (";", "\t", ",", "|", None)
 _UNIT = re.compile(r"[\s_/]*[\[(/_ ]\s*([a-zµμ°\"/0-9]+)\s*[\])]?\s*$")
 #: lines that are looked at for a heading
@@ -87,7 +99,8 @@ class LooseTable:
         In the units of the project's own files; NaN for an empty cell.
     text : mapping of str to (P,) str
     units : mapping of str to str
-        What the file has each column of `numbers` in; empty for a number without unit.
+        What the file has each column of `numbers` in; empty for a number without unit. A column
+        of times may hold times of day: seconds count from the first.
     """
 
     source: SourceFile
@@ -164,13 +177,18 @@ class LooseTable:
             raise source.error(
                 "no rows below the heading", line=head + 1, accepted="rows of numbers"
             )
+        clocks = [k for k, (column, _) in found.items() if column.units is TIME and
+                  all(is_time_of_day(row[k]) for row in rows)]  # fmt: skip
         _check_marks(source, rows, lines, [k for k, (column, _) in found.items()
-                                           if not column.is_text])  # fmt: skip
+                                           if not column.is_text and k not in clocks])  # fmt: skip
         numbers, text, units = {}, {}, {}
         for k, (column, unit) in found.items():
             own = [row[k] for row in rows]
             if column.is_text:
                 text[column.name] = np.array(own)
+            elif k in clocks:
+                numbers[column.name] = seconds_of_day(own)
+                units[column.name] = CLOCK
             else:
                 size = _size(source, column, unit, header[k], head + 1)
                 numbers[column.name] = size * _values(source, own, lines, header[k])
@@ -277,7 +295,7 @@ def _plain_word(text: str) -> str:
 
 def _plain_unit(text: str) -> str:
     text = text.strip("[]() ").lower().replace("µ", "u").replace("μ", "u")
-    return {'"': "arcsec", "micron": "um", "microns": "um", "mm/m": "mrad"}.get(text, text)
+    return _OTHER_NAMES.get(text, text)
 
 
 def _is_row_of_units(row: list[str], found: Mapping[int, tuple[Column, str]]) -> bool:
@@ -299,7 +317,7 @@ def _size(source: SourceFile, column: Column, unit: str, heading: str, line: int
             f"the heading '{heading}' names no unit",
             line=line,
             accepted=", ".join(column.units),
-            hint="--set unit=mm for lengths, or write the unit into the heading: 'Deviation (um)'",
+            hint=_TIME_HINT if column.units is TIME else _UNIT_HINT,
         )
     return column.units[unit]
 

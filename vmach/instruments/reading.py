@@ -133,21 +133,34 @@ def _read(settings: Instrument, path: Path) -> tuple[Columns, tuple[Note, ...]]:
     numbers = [name for name in every if name not in settings.text_columns]
     table = read_side_by_side(path, settings.columns) if settings.has_runs else None
     accepted = {"t_s": _SECONDS, **dict.fromkeys(settings.signs, SIGNS_ACCEPTED)}
+    sensors = settings.readings if settings.has_sensors else ()
+    optional = (*settings.optional_columns, *sensors)
     table = table or read_columns(
-        path, numbers=numbers, text=text, optional=settings.optional_columns, accepted=accepted
+        path, numbers=numbers, text=text, optional=optional, accepted=accepted
     )
+    readings = [name for name in settings.readings if name in table.numbers]
+    if not readings:
+        said = f"none of the columns {', '.join(sensors)} is there"
+        raise InputError(said, file=path, accepted="one of them or more, those that were read")
+    notes = _unused(table)
     if settings.follows_program:
-        return table, repeat_notes(table)
-    notes: tuple[Note, ...] = ()
+        return table, (*notes, *repeat_notes(table))
     if "t_s" in table.numbers:
         check_times(table)
-        notes = clock_notes(table)
+        notes += clock_notes(table)
     if settings.signs:
         notes += check_signs(table, settings.signs)
     if "spindle_rpm" in settings.columns:
         check_spindle(table)
-    check_readings(table, settings.readings)
-    return table, (*notes, *still_notes(table, settings.readings), *repeat_notes(table))
+    check_readings(table, readings)
+    return table, (*notes, *still_notes(table, readings), *repeat_notes(table))
+
+
+def _unused(table: Columns) -> tuple[Note, ...]:
+    """A note for every column that says nothing to this instrument: its name may be a slip."""
+    return tuple(
+        Note.plain(Kind.COLUMN, f"column '{name}' is not used", place=name) for name in table.unused
+    )
 
 
 def _twice(test: Measurement, others: Sequence[Measurement]) -> tuple[Note, ...]:

@@ -129,21 +129,27 @@ def three_directions(
     nuisance: np.ndarray,
     notes: Sequence[Note],
 ) -> Measurement:
-    """One reading along each of X, Y and Z at each of P states; `nuisance` is (R, K), R = 3 P."""
-    count = len(states)
-    thrice = states[np.repeat(np.arange(count), 3)]
-    sensing = np.tile(np.eye(3), (count, 1))
+    """One reading along each of X, Y and Z at each of P states, or along those that were read.
+
+    `nuisance` is (3 P, K); what it leaves free of directions that were not read is left out.
+    """
+    was_read = np.array([name in table.numbers for name in ALONG])
+    along = [name for name in ALONG if name in table.numbers]
+    count, sensors = len(states), len(along)
+    own = states[np.repeat(np.arange(count), sensors)]
+    sensing = np.tile(np.eye(3)[was_read], (count, 1))
+    free = nuisance[np.tile(was_read, count)]
     return Measurement(
         instrument=type(settings),
         name=table.path.name,
-        id=np.repeat(np.arange(1, count + 1), 3).astype(str),
-        states=thrice,
+        id=np.repeat(np.arange(1, count + 1), sensors).astype(str),
+        states=own,
         sensing=sensing,
-        measured_mm=mm_from_um(table.vectors(ALONG).ravel()),
-        predicted_mm=model.predicted_mm(thrice, sensing),
-        u_mm=np.full(3 * count, mm_from_um(settings.u_um)),
-        group=np.tile([f"along {axis}" for axis in LINEAR_AXES], count),
-        nuisance=nuisance,
+        measured_mm=mm_from_um(table.vectors(along).ravel()),
+        predicted_mm=model.predicted_mm(own, sensing),
+        u_mm=np.full(sensors * count, mm_from_um(settings.u_um)),
+        group=np.tile([f"along {LINEAR_AXES[k]}" for k in np.flatnonzero(was_read)], count),
+        nuisance=free[:, free.any(axis=0)],
         notes=tuple(notes),
     )
 

@@ -20,7 +20,8 @@ __all__ = ["Columns", "checked_rows", "finite_number", "heading_and_rows", "read
 class Columns:
     """Named columns of one file, and the line that each row stands on.
 
-    `order_is_stated` says whether the rows are known to follow each other in time.
+    `order_is_stated` says whether the rows are known to follow each other in time, `unused` which
+    columns of the file were not asked for.
     """
 
     path: Path
@@ -28,6 +29,7 @@ class Columns:
     text: dict[str, np.ndarray]
     numbers: dict[str, np.ndarray]
     order_is_stated: bool = True
+    unused: tuple[str, ...] = ()
 
     def take(self, rows: np.ndarray) -> Columns:
         """Some of the rows, (R,) index, in that order."""
@@ -93,7 +95,9 @@ def read_columns(
         for name in numbers
     }  # fmt: skip
     lines = np.array([line for line, _ in body])
-    return Columns(path, lines, {name: np.array(cells[name]) for name in text}, values)
+    words = {name: np.array(cells[name]) for name in text}
+    unused = tuple(name for name in header if name and name not in (*text, *numbers))
+    return Columns(path, lines, words, values, unused=unused)
 
 
 def heading_and_rows(

@@ -121,6 +121,8 @@ class Instrument(FileSection):
     #: those that hold what was read, in um; and the signs of the last motions, 1, -1 or 0
     readings: ClassVar[tuple[str, ...]]
     signs: ClassVar[tuple[str, ...]] = ()
+    #: whether columns of `readings` may be missing but for one: not every sensor was there
+    has_sensors: ClassVar[bool] = False
     #: when a reading is positive
     sign_meaning: ClassVar[str]
     #: what the instrument leaves free, in a word or two

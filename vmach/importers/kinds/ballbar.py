@@ -8,6 +8,7 @@ from vmach.importers.importer import Imported, Importer, Section
 from vmach.importers.loose_table import ANGLE, SMALL_LENGTH, SPEED, TIME, Column, LooseTable
 from vmach.importers.questions import Questions
 from vmach.importers.source_file import SourceFile
+from vmach.importers.time_of_day import CLOCK, COUNTED_FROM_THE_FIRST
 from vmach.instruments.kinds.ballbar import Ballbar
 
 __all__ = ["BallbarReadings"]
@@ -67,8 +68,7 @@ class BallbarReadings(Importer):
         angle = table.complete("angle")
         run = _runs(table, angle)
         feed = _feeds(table, questions)
-        time = table.complete("time") if "time" in table.numbers else (
-            _times(angle, feed, run, radius))  # fmt: skip
+        time, told = _clock(table, angle, feed, run, radius)
         lines = ["run,feed_mm_min,angle_deg,t_s,radius_um"]
         for row in zip(run, feed, angle, time, table.complete("radius"), strict=True):
             lines.append("{},{:.6g},{:.6f},{:.4f},{:.5g}".format(*row))
@@ -88,7 +88,7 @@ class BallbarReadings(Importer):
             is_array=True,
         )
         said = f"{source.path.name}: {len(angle)} readings, runs {', '.join(dict.fromkeys(run))}"
-        return Imported({file: "\n".join(lines) + "\n"}, (section,), (said,))
+        return Imported({file: "\n".join(lines) + "\n"}, (section,), (said + told,))
 
 
 def _table(source: SourceFile, questions: Questions) -> LooseTable | None:
@@ -116,6 +116,36 @@ def _feeds(table: LooseTable, questions: Questions) -> np.ndarray:
         return table.complete("feed")
     feed = questions.number("feed", "feed of the circles", unit="mm/min")
     return np.full(len(table.lines), feed)
+
+
+def _clock(
+    table: LooseTable, angle: np.ndarray, feed: np.ndarray, run: list[str], radius_mm: float
+) -> tuple[np.ndarray, str]:
+    """Seconds of every reading, (P,), and what is to be said of them.
+
+    A clock that begins anew with each run goes on behind the one before, after a pause.
+
+    Raises
+    ------
+    InputError
+        A time that falls within a run.
+    """
+    if "time" not in table.numbers:
+        return _times(angle, feed, run, radius_mm), ""
+    time = table.complete("time").copy()
+    told = COUNTED_FROM_THE_FIRST if table.units["time"] == CLOCK else ""
+    falls = np.flatnonzero(np.diff(time) < 0.0) + 1
+    for k in falls:
+        if run[k] == run[k - 1] and feed[k] == feed[k - 1]:
+            raise table.source.error(
+                f"time runs backwards within run '{run[k]}'",
+                line=int(table.lines[k]),
+                accepted="rows of a run in the order of time",
+            )
+        time[k:] += time[k - 1] + _PAUSE_S - time[k]
+    if len(falls):
+        told += f"; the clock begins anew with runs: {_PAUSE_S:g} s between them are taken"
+    return time, told
 
 
 def _times(angle: np.ndarray, feed: np.ndarray, run: list[str], radius_mm: float) -> np.ndarray:

@@ -8,6 +8,7 @@ from vmach.importers.importer import Imported, Importer, Section
 from vmach.importers.loose_table import SMALL_LENGTH, SPEED, TIME, Column, LooseTable
 from vmach.importers.questions import Questions
 from vmach.importers.source_file import SourceFile
+from vmach.importers.time_of_day import CLOCK, COUNTED_FROM_THE_FIRST
 from vmach.instruments.kinds.drift import Drift
 
 __all__ = ["DriftLog"]
@@ -59,20 +60,21 @@ class DriftLog(Importer):
         if len(falls):
             line = int(table.lines[falls[0] + 1])
             raise source.error("time runs backwards", line=line, accepted="rows in order of time")
-        moved = np.column_stack([
-            sign * table.complete(name) if name in table.numbers else np.zeros(len(time))
-            for name in ("dx", "dy", "dz")
-        ])  # fmt: skip
+        # a direction without a sensor has no column
+        read = [name for name in ("dx", "dy", "dz") if name in table.numbers]
+        moved = np.column_stack([sign * table.complete(name) for name in read])
         rpm = table.complete("rpm") if "rpm" in table.numbers else np.full(
             len(time), questions.number("rpm", "speed of the spindle", unit="1/min"))  # fmt: skip
-        lines = ["t_s,spindle_rpm,dx_um,dy_um,dz_um"]
+        lines = [",".join(["t_s", "spindle_rpm", *(f"{name}_um" for name in read)])]
         for row in zip(time, rpm, moved, strict=True):
             lines.append(f"{row[0]:.4f},{row[1]:g}," + ",".join(f"{v:.6g}" for v in row[2]))
         file = f"{source.path.stem}_drift.csv"
         values = {"kind": Drift.name, "file": file, "at_mm": at, "tool_length_mm": length,
                   "u_um": u_um}  # fmt: skip
         span = f"{source.path.name}: {len(time)} readings in {np.ptp(time) / 60:.1f} min, "
+        span += f"{', '.join(read)}, " if len(read) < len("xyz") else ""
         said = span + f"up to {np.abs(moved).max():.1f} um"
+        said += COUNTED_FROM_THE_FIRST if table.units["time"] == CLOCK else ""
         section = Section("job", "measurements", values, is_array=True)
         return Imported({file: "\n".join(lines) + "\n"}, (section,), (said,))
 

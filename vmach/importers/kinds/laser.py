@@ -63,7 +63,7 @@ _FORWARD = (
     "u",
 )
 _BACKWARD = (
-    "-", "-1", "−1", "backward", "bwd", "reverse", "rev", "down", "negative", "neg", "zurück",
+    "-", "−", "-1", "−1", "backward", "bwd", "reverse", "rev", "down", "negative", "neg", "zurück",
     "rückwärts", "rueck", "d",
 )  # fmt: skip
 _WAYS = {

@@ -32,6 +32,7 @@ class Drift(Instrument):
     columns = ("t_s", "spindle_rpm", *ALONG)
     text_columns = ()
     readings = ALONG
+    has_sensors = True
     sign_meaning = "a displacement is that of the tool relative to the workpiece"
     left_free = "zero"
     abreast = 3
@@ -69,6 +70,7 @@ class Drift(Instrument):
                 against(curves, curves.measurement.sensing[:, k] > 0.5, minutes, "time, min", end),
             )
             for k, axis in enumerate(LINEAR_AXES)
+            if (curves.measurement.sensing[:, k] > 0.5).any()
         ]
 
     @classmethod
