@@ -99,3 +99,17 @@ def test_a_length_that_cannot_be_is_refused(row, said, tmp_path):
         file.write(row + "\n")
     with pytest.raises(InputError, match=said):
         read_instruments(read_job(job))
+
+
+@pytest.mark.parametrize("inch", [1.0, 25.4])
+def test_lengths_in_inches_are_asked_about(tmp_path, inch):
+    job = write_job(tmp_path, more=measurement("calliper", u_um=10))
+    # across pocket and bore, which the program goes over from -15 to 41 mm
+    ends = [((-14, -9), (40, 9)), ((-14, 9), (40, -9)), ((-14, -9), (40, -9)), ((-14, 9), (40, 9))]
+    lines = ["x1,y1,x2,y2,length_mm"]
+    for p, q in ends:
+        length = round(float(np.hypot(q[0] - p[0], q[1] - p[1])) / inch, 6)
+        lines.append(",".join(f"{v / inch:.6f}" for v in (*p, *q)) + f",{length}")
+    (tmp_path / "calliper.csv").write_text("\n".join(lines) + "\n")
+    (test,) = read_instruments(read_job(job))
+    assert any("are they in inches" in note.text for note in test.notes) == (inch > 1.0)

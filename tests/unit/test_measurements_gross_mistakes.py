@@ -57,6 +57,14 @@ def test_a_tool_of_another_diameter_and_length_is_named(tmp_path):
 
 
 @pytest.mark.usefixtures("two_tools")
+@pytest.mark.parametrize(("mm", "said"), [(1.5, "still in the points"), (-1.5, "taken off twice")])
+def test_the_radius_of_the_probe_is_asked_about(tmp_path, mm, said):
+    """All surfaces lie out by the same: it takes two wrong tools, and a probe does it alone."""
+    hint = refusal_of(tmp_path, np.full(len(POINTS), mm), BY_TOOL_2)
+    assert f"the radius of the measuring probe {said}? Every surface lies 1.500 mm" in hint
+
+
+@pytest.mark.usefixtures("two_tools")
 def test_two_tools_that_are_exchanged_are_named(tmp_path, monkeypatch):
     from tests import small_job
 

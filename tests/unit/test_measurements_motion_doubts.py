@@ -8,6 +8,7 @@ from vmach.measurements.plausibility.motion_doubts import (
     approach_notes,
     circle_notes,
     drift_notes,
+    inch_notes,
     pace_notes,
 )
 
@@ -73,3 +74,25 @@ def test_circles_turn_as_they_are_called(plane, asked):
     numbered = np.repeat(["CCW1", "cw 1000"], 180)  # as an import names them, and as people do
     assert circle_notes(numbered, angle, plane) == ()
     assert bool(circle_notes(numbered, -angle, plane)) == asked
+
+
+ROOM = np.array([[-800.0, -500.0, -400.0], [0.0, 0.0, 0.0]])
+
+
+def test_places_in_inches_are_asked_about():
+    line = np.linspace(-780.0, -20.0, 21)
+    places = np.column_stack([line, np.full((21, 2), -3.0)])
+    assert inch_notes(places, ROOM, "the travel") == ()
+    (note,) = inch_notes(places / [25.4, 1, 1], ROOM, "the travel")
+    assert "from -30.71 to -0.7874 mm" in note.text and note.kind is Kind.UNIT
+
+
+@pytest.mark.parametrize("middle", [-400.0, -60.0])
+def test_a_short_line_that_would_leave_the_travel_in_inches_is_none(middle):
+    places = np.column_stack([middle + np.linspace(-20.0, 20.0, 41), np.zeros((41, 2))])
+    assert inch_notes(places, ROOM, "the travel") == ()
+
+
+def test_a_short_line_that_would_stay_short_in_inches_is_none():
+    places = np.column_stack([np.linspace(-14.0, -1.0, 27), np.zeros((27, 2))])
+    assert inch_notes(places, ROOM, "the travel") == ()

@@ -129,3 +129,42 @@ def test_what_is_odd_is_asked_about(tmp_path, job, text, message):
 def test_sound_files_pass_without_a_note(tmp_path, job, text):
     (test,) = read(tmp_path, job, text)
     assert test.notes == ()
+
+
+@pytest.mark.parametrize(("rpm", "asked"), [(8, True), (0, False), (600, False)])
+def test_thousands_of_turns_are_asked_about(tmp_path, rpm, asked):
+    (test,) = read(tmp_path, DRIFT, drift(with_cell(1, rpm)))
+    assert any("spindle_rpm is 8 at most: is it in" in note.text for note in test.notes) == asked
+
+
+def tracker(turn_urad, moved_um):
+    """Places of a tracker; readings of a frame that is turned, and of what moves the tool, um."""
+    random = np.random.default_rng(11)
+    places = np.round(random.uniform([-390, -290, -290], [-10, -10, -10], (60, 3)), 3)
+    read = 1e-3 * np.cross(turn_urad, places) + moved_um(places)
+    read += random.normal(0.0, 0.3, read.shape)
+    rows = [[8.0 * k, *places[k], 0, 0, 0, *np.round(read[k], 4)] for k in range(60)]
+    return rows_of("t_s,X,Y,Z,sx,sy,sz,dx_um,dy_um,dz_um", rows)
+
+
+def out_of_square(places):
+    """dx = -EC0Y y of 100 urad."""
+    return np.column_stack([-0.1 * places[:, 1], np.zeros((len(places), 2))])
+
+
+@pytest.mark.parametrize(
+    ("turn", "moved", "asked"),
+    [
+        ((40, -60, 90), lambda p: 0.0 * p, True),
+        ((0, 0, 0), lambda p: 0.0 * p, False),
+        ((0, 0, 0), out_of_square, False),
+    ],
+)
+def test_a_tracker_that_is_not_aligned_is_asked_about(tmp_path, turn, moved, asked):
+    (test,) = read(tmp_path, TIP, tracker(turn, moved))
+    said = [note.text for note in test.notes if 'is frame = "rigid" meant' in note.text]
+    assert bool(said) == asked
+    if asked:
+        assert "turned by (-40, 60, -90) urad" in said[0]
+    aligned = read(tmp_path, TIP.replace("offset", "rigid"), tracker(turn, moved))[0]
+    assert not any("rigid" in note.text for note in aligned.notes)

@@ -151,7 +151,7 @@ def _read(settings: Instrument, path: Path) -> tuple[Columns, tuple[Note, ...]]:
     if settings.signs:
         notes += check_signs(table, settings.signs)
     if "spindle_rpm" in settings.columns:
-        check_spindle(table)
+        notes += check_spindle(table)
     check_readings(table, readings)
     return table, (*notes, *still_notes(table, readings), *repeat_notes(table))
 

@@ -15,7 +15,7 @@ from vmach.measurements import Measurement
 from vmach.measurements.columns import Columns
 from vmach.measurements.instrument import Instrument, ModelOfTest, PlannedTest
 from vmach.measurements.plausibility.motion_check import check_extent, check_travel
-from vmach.measurements.plausibility.motion_doubts import approach_notes, pace_notes
+from vmach.measurements.plausibility.motion_doubts import approach_notes, inch_notes, pace_notes
 from vmach.path.instrument_motion import stop_and_go
 from vmach.path.toolpath import PathStates
 
@@ -47,7 +47,8 @@ def doubts_of_stops(
 ) -> tuple[Note, ...]:
     """Notes on a test that drives from place to place, (P, 3) mm, each approached from a side."""
     pace = pace_notes(nose_mm, table.numbers["t_s"], model.rapid_mm_per_min)
-    return in_file((*approach_notes(nose_mm, side), *pace), table.path)
+    spot = inch_notes(nose_mm, model.travel_mm, "the travel")
+    return in_file((*approach_notes(nose_mm, side), *pace, *spot), table.path)
 
 
 def along_line(

@@ -90,7 +90,9 @@ def circles(
     )
     starts = np.flatnonzero(np.concatenate([[True], group[1:] != group[:-1]]))
     runs = [slice(*ends) for ends in zip(starts, [*starts[1:], len(group)], strict=True)]
-    turned = [turned_rad(angle_rad[run], table.take(run)) for run in runs]
+    turned = [
+        turned_rad(angle_rad[run], table.take(np.arange(run.start, run.stop))) for run in runs
+    ]
     speed = [np.ptp(a) / np.ptp(time_s[run]) for a, run in zip(turned, runs, strict=True)]
     between = [
         _unseen_rad(time_s[after.start] - time_s[before.stop - 1], speed[k], speed[k + 1])

@@ -8,14 +8,17 @@ calculates it (Marlin, ``Configuration.h``, "Bed Skew Compensation"; Klipper, "S
 import numpy as np
 from scipy.sparse import csr_array
 
+from gcode import MoveKind
+from vmach.base.note import Note, in_file
 from vmach.base.units import mm_from_um
 from vmach.errors import InputError
 from vmach.files.toml_file import NonNegative, Positive
 from vmach.instruments.drawing import against, end_of_scale
 from vmach.measurements import Contacts, Measurement
 from vmach.measurements.columns import Columns
-from vmach.measurements.instrument import Instrument
+from vmach.measurements.instrument import Instrument, ModelOfTest
 from vmach.measurements.plausibility.motion_check import check_travel
+from vmach.measurements.plausibility.motion_doubts import inch_notes
 from vmach.path.instrument_motion import stop_and_go
 
 __all__ = ["Calliper"]
@@ -75,6 +78,7 @@ class Calliper(Instrument):
             u_mm=np.full(count, mm_from_um(self.u_um)),
             group=np.full(count, "lengths"),
             nuisance=np.ones((count, 1)),
+            notes=in_file(_doubts(np.vstack(ends), model), table.path),
             contacts=contacts,
             scale_u_mm=1e-6 * self.scale_u_ppm * nominal,
         )
@@ -119,6 +123,15 @@ def _check(table: Columns, nominal: np.ndarray, apart: np.ndarray) -> None:
             "distance of their places",
             hint="x1 y1 and x2 y2 are nominal, in mm, from the workpiece zero",
         )
+
+
+def _doubts(place_mm: np.ndarray, model: ModelOfTest) -> tuple[Note, ...]:
+    """A note where places, machine coordinates without the tool, are a spot of the program's."""
+    prepared = model.preparation
+    moves = prepared.program.moves
+    cuts = moves.end_mm[moves.kind != MoveKind.RAPID, :2] - prepared.zero_mm[:2]
+    room = np.array([cuts.min(axis=0), cuts.max(axis=0)])
+    return inch_notes(place_mm[:, :2] - prepared.zero_mm[:2], room, "what the program goes over")
 
 
 def _twice(table: Columns) -> Columns:

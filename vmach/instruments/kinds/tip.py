@@ -3,10 +3,13 @@
 Source: closed form derived here: a rigid pose of the instrument adds t + w x p to every place p.
 """
 
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
+from vmach.base.note import Kind, Note, in_file
+from vmach.base.units import um_from_mm, urad_from_rad
 from vmach.instruments.drawing import end_of_scale
 from vmach.instruments.readings import (
     ALONG,
@@ -17,12 +20,17 @@ from vmach.instruments.readings import (
     three_directions,
 )
 from vmach.machine import LINEAR_AXES
+from vmach.measurements import Measurement
 from vmach.measurements.instrument import Instrument
 from vmach.measurements.plausibility.motion_check import check_extent, check_travel
 from vmach.path.instrument_motion import stop_and_go
 from vmach.report.page.svg_plot import Frame, Plot, ticks
 
 __all__ = ["Tip"]
+
+#: readings that agree so many times better once they are turned, and then within so many standard
+#: uncertainties, or else so many times better; as for other mistakes that a job may hold
+_TURNED, _NEAR_U, _FAR_TURNED = 2.0, 1.25, 5.0
 
 
 class Tip(Instrument):
@@ -49,7 +57,7 @@ class Tip(Instrument):
         states = stop_and_go(
             nose, table.numbers["t_s"], side=side, tool_length_mm=self.tool_length_mm
         )
-        return three_directions(
+        test = three_directions(
             self,
             table,
             states,
@@ -57,6 +65,9 @@ class Tip(Instrument):
             nuisance=_left_free(nose, with_rotation=self.frame == "rigid"),
             notes=doubts_of_stops(nose, side, table, model),
         )
+        if self.frame == "rigid":
+            return test
+        return test.noted(*in_file(_turned_notes(test, nose), table.path))
 
     @classmethod
     def left_free_by(cls, measurement):
@@ -103,6 +114,27 @@ class Tip(Instrument):
             nuisance=_left_free(nose, with_rotation=True),
             maps_work_space=True,
         )
+
+
+def _turned_notes(test: Measurement, nose_mm: np.ndarray) -> tuple[Note, ...]:
+    """A note where readings of an offset alone agree far better once all of them are turned.
+
+    A machine has to be out of square in six ways to do the same.
+    """
+    apart = test.measured_mm - test.predicted_mm
+    plain = test.variation_mm(apart)
+    turned = replace(test, nuisance=_left_free(nose_mm, with_rotation=True))
+    left = turned.variation_mm(apart)
+    if plain < _TURNED * left or left > max(_NEAR_U * float(test.u_mm[0]), plain / _FAR_TURNED):
+        return ()
+    amounts = np.linalg.lstsq(turned.nuisance, apart, rcond=None)[0]
+    by = ", ".join(f"{urad_from_rad(value):.0f}" for value in -amounts[3:])
+    said = (
+        f"turned by ({by}) urad about X, Y, Z the readings agree within {um_from_mm(left):.2f} um "
+        f'instead of {um_from_mm(plain):.2f} um (rms): is frame = "rigid" meant, the instrument '
+        "not aligned with the axes?"
+    )
+    return (Note.question(Kind.ALIGNMENT, said, float(um_from_mm(plain)), "um", place="frame"),)
 
 
 def _left_free(nose_mm: np.ndarray, *, with_rotation: bool) -> np.ndarray:

@@ -45,11 +45,23 @@ def gross_mistake(part: Measurement, job: Job) -> str | None:
     """
     if _amounts_mm(part, np.zeros((len(part), 0))) is not None:
         return None
+    further_out = _amounts_mm(part, np.ones((len(part), 1)))
     for mistake in _mistakes(part):
         amounts = _amounts_mm(part, mistake.columns)
         if amounts is not None:
-            return _question(mistake, amounts, job)
-    return None
+            found = _question(mistake, amounts, job)
+            return found if further_out is None else f"{found} {_of_probe(further_out, 'Or is')}"
+    return None if further_out is None else _of_probe(further_out, "Is")
+
+
+def _of_probe(further_out_mm: np.ndarray, begin: str) -> str:
+    """A question where all surfaces lie out, or in, by the same amount, (1,) mm."""
+    (size,) = further_out_mm
+    way, what = ("out", "still in the points") if size > 0 else ("in", "taken off twice")
+    return (
+        f"{begin} the radius of the measuring probe {what}? Every surface lies "
+        f"{abs(size):.3f} mm further {way}"
+    )
 
 
 def _amounts_mm(part: Measurement, columns: np.ndarray) -> np.ndarray | None:

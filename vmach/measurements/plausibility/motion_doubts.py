@@ -14,9 +14,17 @@ import numpy as np
 
 from vmach.base.note import Kind, Note
 from vmach.base.units import mm_per_s_from_mm_per_min, um_from_mm
+from vmach.machine.tables.error_table import MM_PER
 from vmach.measurements.measurement import Measurement
 
-__all__ = ["approach_notes", "circle_notes", "drift_notes", "lost_motion_notes", "pace_notes"]
+__all__ = [
+    "approach_notes",
+    "circle_notes",
+    "drift_notes",
+    "inch_notes",
+    "lost_motion_notes",
+    "pace_notes",
+]
 
 #: share of the ways that have to contradict, and of these on either side
 _NEARLY_ALL, _OF_EITHER = 0.9, 0.25
@@ -27,6 +35,9 @@ _MUCH = 0.25
 #: lost motion the wrong way round, mm and in standard uncertainties; a carriage that yaws when it
 #: turns back may bring a little of it
 _CLEAR_MM, _CLEAR_U = 5e-3, 5.0
+#: places that would fill this share of their room in inches fill a fiftieth of it in mm; chosen:
+#: tests go from end to end, and short ones seldom lie where this holds
+_FILLS = 0.5
 #: no drift test is over sooner
 _SHORTEST_DRIFT_S = 300.0
 #: planes in which an angle that grows goes counterclockwise, seen against the third axis
@@ -103,6 +114,33 @@ def pace_notes(
         f"rapid motion of {rapid_mm_per_min:g} mm/min: is t_s in seconds?"
     )
     return (Note.question(Kind.CLOCK, said, float(np.ptp(time_s)), "s", place="t_s"),)
+
+
+def inch_notes(place_mm: np.ndarray, room_mm: np.ndarray, room: str) -> tuple[Note, ...]:
+    """A note where places fill a small spot of their room in mm, and most of it in inches.
+
+    Parameters
+    ----------
+    place_mm : (P, K) float64
+    room_mm : (2, K) float64
+        Lowest and highest place along each of K axes.
+    room : str
+        What they lie in.
+    """
+    low, high = place_mm.min(axis=0), place_mm.max(axis=0)
+    moves = high > low
+    meant = MM_PER["inch"] * np.array([low, high])
+    fits = (meant[0] >= room_mm[0] - 1.0) & (meant[1] <= room_mm[1] + 1.0)
+    share = MM_PER["inch"] * (high - low) / np.maximum(np.ptp(room_mm, axis=0), 1.0)
+    if not moves.any() or not fits[moves].all() or share[moves].max() < _FILLS:
+        return ()
+    k = int(np.argmax(np.where(moves, share, 0.0)))
+    said = (
+        f"places from {low[k]:.4g} to {high[k]:.4g} mm are a spot of {room}; in inches they would "
+        f"go from {meant[0, k]:.4g} to {meant[1, k]:.4g} mm: are they in inches? They have to be "
+        "in mm"
+    )
+    return (Note.question(Kind.UNIT, said, float(high[k] - low[k]), "mm"),)
 
 
 def drift_notes(time_s: np.ndarray) -> tuple[Note, ...]:

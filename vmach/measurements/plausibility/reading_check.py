@@ -29,6 +29,8 @@ _SIGNS = (-1.0, 0.0, 1.0)
 SIGNS_ACCEPTED = "1 after motion towards +, -1 towards -, 0 where it is not known"
 #: no milling spindle is faster, air bearings included
 _FASTEST_RPM = 300_000.0
+#: no test warms a spindle at less; in thousands no spindle turns faster
+_SLOW_RPM = 60.0
 #: no deviation of a machine tool that still cuts is larger; offsets and radii of fixtures are
 _FARTHEST_MM = 5.0
 #: readings that are all alike are no accident from this number on
@@ -66,8 +68,8 @@ def check_signs(table: Columns, names: Sequence[str]) -> tuple[Note, ...]:
     return (Note.question(Kind.SIGN, said, 0.0, "1", place=" ".join(names)),)
 
 
-def check_spindle(table: Columns) -> None:
-    """Refuse spindle speeds that no spindle has.
+def check_spindle(table: Columns) -> tuple[Note, ...]:
+    """Refuse spindle speeds that no spindle has; a note where none is fast enough to warm one.
 
     Raises
     ------
@@ -84,6 +86,11 @@ def check_spindle(table: Columns) -> None:
             accepted=f"0 .. {_FASTEST_RPM:g} 1/min, whichever way the spindle turns",
             hint="is the speed in 1/min?",
         )
+    fastest = float(rpm.max())
+    if not 0.0 < fastest <= _SLOW_RPM:
+        return ()
+    said = f"spindle_rpm is {fastest:g} at most: is it in 1/min, and not in thousands of them?"
+    return (Note.question(Kind.UNIT, said, fastest, "1/min", place="spindle_rpm"),)
 
 
 def check_readings(table: Columns, names: Sequence[str]) -> None:
