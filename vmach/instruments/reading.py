@@ -47,6 +47,8 @@ from vmach.prediction import ActingEffect, displacement_of, of_machine
 
 __all__ = ["read_instruments", "settings_of"]
 
+#: of rows: an instrument has no use for it, and people do
+_NAME = "id"
 #: what a column of times holds
 _SECONDS = "seconds since the cold start of this test, such as 12.5, and no time of day"
 
@@ -159,7 +161,9 @@ def _read(settings: Instrument, path: Path) -> tuple[Columns, tuple[Note, ...]]:
 def _unused(table: Columns) -> tuple[Note, ...]:
     """A note for every column that says nothing to this instrument: its name may be a slip."""
     return tuple(
-        Note.plain(Kind.COLUMN, f"column '{name}' is not used", place=name) for name in table.unused
+        Note.plain(Kind.COLUMN, f"column '{name}' is not used", place=name)
+        for name in table.unused
+        if name != _NAME
     )
 
 
