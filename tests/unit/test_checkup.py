@@ -4,10 +4,17 @@ import json
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from tests.small_job import write_job, write_job_with_nominal
+from tests.small_job import (
+    measurement,
+    pocket_points,
+    write_job,
+    write_job_with_nominal,
+    write_points,
+)
 from vmach.checkup import Weight, check_job, job_checkup
 from vmach.cli import app
 
@@ -221,3 +228,25 @@ def test_cad_is_read_once(monkeypatch):
     monkeypatch.setattr(job_checkup, "read_nominal", counted)
     assert words(SAMPLES / "iso10791_7") == []
     assert len(read) == 1
+
+
+def test_what_is_doubtful_in_the_file_of_an_instrument_is_said(tmp_path):
+    """Signs of approach that contradict the motion: `vmach diagnose` asks, and so does this."""
+    job = write_job(tmp_path, more=measurement("laser", axis="X", at_mm=[-100, -100, -50]))
+    places = [*range(-300, -50, 25), *range(-75, -301, -25)]
+    rows = [f"1,{x},{-1 if k < 10 else 1},{5 * k},{k % 3}" for k, x in enumerate(places)]
+    heading = "run,position_mm,approach,t_s,deviation_um"
+    (tmp_path / "laser.csv").write_text("\n".join([heading, *rows]) + "\n")
+    job.write_text(job.read_text().replace('measured = "points.csv"\n', ""))
+    (asked,) = [word for word in words(tmp_path, Weight.LOOK) if "laser.csv" in word]
+    assert str(tmp_path / "laser.csv") in asked and "are the signs exchanged?" in asked
+
+
+def test_measured_points_that_the_program_does_not_cut_are_said(tmp_path):
+    write_job(tmp_path)
+    write_points(tmp_path / "points.csv")
+    assert not [word for word in words(tmp_path, Weight.LOOK) if "points.csv" in word]
+    _, points, _ = pocket_points()
+    write_points(tmp_path / "points.csv", points + np.array([3.0, 0.0, 0.0]))
+    (said,) = [word for word in words(tmp_path, Weight.LOOK) if "points.csv" in word]
+    assert "the measured points are" in said or "from its nominal place" in said

@@ -49,6 +49,12 @@ def test_measured_points_in_metres_are_said(tmp_path):
     ("text", "line", "words"),
     [
         (HEAD, None, "no points"),
+        (HEAD + ROW.replace(".", ","), 2, "decimal comma"),
+        (
+            HEAD.replace("u_um", "measured_s") + ROW.replace("0.8", "10:05:00"),
+            2,
+            "seconds of its clock, no time of day",
+        ),
         (HEAD.replace(",z,", ",") + ROW, 1, "column z is missing"),
         (HEAD.replace("mz,", "") + ROW, 1, "column mz is missing"),
         (HEAD + ROW + ROW.replace("20", "twenty"), 3, "y is 'twenty'"),

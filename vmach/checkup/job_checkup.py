@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from gcode import ProgramError
+from vmach.base.note import Note
 from vmach.base.units import um_from_mm
 from vmach.checkup.finding import Finding, Weight
 from vmach.checkup.machine_statements import machine_statements, reached_positions
@@ -17,14 +19,15 @@ from vmach.effects import read_effects
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import complaints, line_of_key
-from vmach.instruments import read_instruments
+from vmach.instruments import measure_part, read_instruments, settings_of
 from vmach.job import Job, read_job
 from vmach.job.schema import JobSchema
 from vmach.machine.files.machine_schema import MachineSchema
 from vmach.nominal import NominalPart, read_nominal
 from vmach.nominal.points import read_points_csv
-from vmach.path.preparation import prepare
+from vmach.path.preparation import Preparation, prepare
 from vmach.plausibility import admitted_machine
+from vmach.prediction import ActingEffect
 from vmach.run.drawing_check import drawing_faults
 from vmach.run.inspection import surface_points
 
@@ -157,10 +160,52 @@ def _whole_job(path: Path, part_of: _Reader) -> Iterator[Finding]:
     yield from _part(job, part_of)
     try:
         effects = read_effects(job.effects, file=path, job=job)
-        read_instruments(job, effects=effects)
+        yield from _tests(job, effects)
     except (InputError, ProgramError) as error:
         yield Finding.of_error(error)
+    else:
+        yield from _measured(job, preparation, effects)
     yield from _assumed(path, job)
+
+
+def _tests(job: Job, effects: Sequence[ActingEffect]) -> Iterator[Finding]:
+    """What is doubtful in the files of instruments.
+
+    Raises
+    ------
+    InputError
+        One of them cannot be read.
+    """
+    for number, test in enumerate(read_instruments(job, effects=effects)):
+        file = job.folder / settings_of(job, number).file
+        yield from _of_notes(test.notes, file)
+
+
+def _measured(
+    job: Job, preparation: Preparation, effects: Sequence[ActingEffect]
+) -> Iterator[Finding]:
+    """Measured points against what the program cuts."""
+    if job.measured is None:
+        return
+    try:
+        points = read_points_csv(job.measured)
+        if points.measured_mm is None:
+            return  # points to inspect
+        part, _ = measure_part(preparation, job.measured, effects=effects)
+    except (InputError, ProgramError) as error:
+        refused = Finding.of_error(error)  # by `vmach diagnose`; the part can be predicted
+        yield replace(refused, weight=Weight.LOOK)
+        return
+    yield from _of_notes(part.notes, job.measured)
+
+
+def _of_notes(notes: Sequence[Note], file: Path) -> Iterator[Finding]:
+    """Notes that name a measured file, with its path."""
+    for note in notes:
+        if note.file == file.name:
+            yield Finding.of_note(replace(note, file=str(file)))
+        elif not note.file:
+            yield Finding.of_note(note)
 
 
 def _part(job: Job, part_of: _Reader) -> Iterator[Finding]:

@@ -12,6 +12,7 @@ from pathlib import Path
 from vmach.errors import InputError
 
 __all__ = [
+    "DECIMAL_COMMA_HINT",
     "as_written",
     "column_hint",
     "csv_rows",
@@ -24,6 +25,8 @@ __all__ = [
 #: a number as instruments and CMMs write it; Python's own reading takes 1_000 and other digits too
 _DECIMAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
+#: what may have made more cells of a row than its heading has
+DECIMAL_COMMA_HINT = "is there a decimal comma? Numbers need a point"
 #: of a file that is read whole: ten million rows of points have about as many bytes
 _LARGEST_BYTES = 2**30
 

@@ -11,7 +11,13 @@ from pathlib import Path
 import numpy as np
 
 from vmach.errors import InputError
-from vmach.files.text_file import column_hint, decimal_number, numbered_csv_rows, read_text
+from vmach.files.text_file import (
+    DECIMAL_COMMA_HINT,
+    column_hint,
+    decimal_number,
+    numbered_csv_rows,
+    read_text,
+)
 
 __all__ = ["Columns", "checked_rows", "finite_number", "heading_and_rows", "read_columns"]
 
@@ -147,7 +153,7 @@ def checked_rows(
                 file=path,
                 line=line,
                 accepted=f"{width} as in line {first}",
-                hint="is there a decimal comma? Numbers need a point" if len(row) > width else None,
+                hint=DECIMAL_COMMA_HINT if len(row) > width else None,
             )
     return rows
 

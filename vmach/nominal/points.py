@@ -13,7 +13,13 @@ import numpy as np
 from vmach.base.note import Kind, Note
 from vmach.base.units import mm_from_um
 from vmach.errors import InputError
-from vmach.files.text_file import column_hint, decimal_number, numbered_csv_rows, read_text
+from vmach.files.text_file import (
+    DECIMAL_COMMA_HINT,
+    column_hint,
+    decimal_number,
+    numbered_csv_rows,
+    read_text,
+)
 from vmach.nominal.mesh.unique_rows import unique_rows
 
 __all__ = ["COORDINATE_UNITS", "WHEN", "SurfacePoints", "read_points_csv", "when_measured"]
@@ -253,6 +259,7 @@ class _Table:
                     file=path,
                     line=int(line),
                     accepted=f"{len(columns)} values, one for each column of the heading",
+                    hint=DECIMAL_COMMA_HINT if len(row) > len(columns) else None,
                 )
         self._cells = dict(zip(columns, zip(*rows, strict=True), strict=True))
 
@@ -286,10 +293,11 @@ class _Table:
         except ValueError:
             values = np.array([decimal_number(cell) for cell in cells])
         largest = _LATEST if name in WHEN else _LARGEST
+        what = "seconds of its clock, no time of day: " if name == WHEN[0] else ""
         self.check(
             np.abs(values) <= largest,
             lambda row: f"{name} is {cells[row].strip()!r}",
-            accepted=f"a finite number, {largest:g} at most",
+            accepted=f"{what}a finite number, {largest:g} at most",
         )
         return values
 
