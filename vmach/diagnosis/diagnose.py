@@ -9,6 +9,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from vmach.base.note import Kind, Level, Note
+from vmach.diagnosis.alike_waves import alike_waves
 from vmach.diagnosis.candidate_scores import CandidateScore, candidate_scores
 from vmach.diagnosis.findings import Finding, findings_of, something_unknown
 from vmach.diagnosis.inference.prepare import prepare_weighing
@@ -144,6 +145,7 @@ def diagnose(
             *_outliers(found),
             *_device(notable, survey),
             *like_drift(found),
+            *alike_waves(found),
             *_cancelling(found, residuals.rms_um),
             *not_followed(found, residuals, of_device),
         ),

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from vmach.diagnosis.component_curve import component_parameters
 from vmach.fit.terms import JointFit
-from vmach.fit.uncertainty import Otherwise, parameter_uncertainty
+from vmach.fit.uncertainty import Otherwise, Spread, parameter_uncertainty
 
-__all__ = ["FittedParameters", "fitted_parameters", "fitted_values"]
+__all__ = ["FittedParameters", "alike_parameters", "fitted_parameters", "fitted_values"]
 
 
 @dataclass(frozen=True)
@@ -54,10 +56,32 @@ def fitted_parameters(
     if fit.terms[k].effect.corrects_table:
         path = fit.posterior.base.survey.paths[0]
         return FittedParameters(*component_parameters(fit, k, path))
-    spreads = parameter_uncertainty(fit, k, others, sizes)
+    values = fit.parameters(k)
+    spreads = {
+        name: _over(spread, values[name], [other[name] for other in alike_parameters(fit, k)])
+        for name, spread in parameter_uncertainty(fit, k, others, sizes).items()
+    }
     return FittedParameters(
-        values=fit.parameters(k),
+        values=values,
         u={name: spread.u for name, spread in spreads.items()},
         interval_95={name: (spread.low, spread.high) for name, spread in spreads.items()},
         weakly_identified=tuple(name for name, spread in spreads.items() if not spread.is_shown),
     )
+
+
+def alike_parameters(fit: JointFit, k: int) -> tuple[dict[str, float], ...]:
+    """Other parameters of term k of a fit that do the same to all readings."""
+    term = fit.terms[k]
+    if term.effect.corrects_table:
+        return ()
+    paths = fit.posterior.base.survey.paths
+    return tuple(term.effect.alike(paths, term.target, fit.parameters(k)))
+
+
+def _over(spread: Spread, value: float, others: Sequence[float]) -> Spread:
+    """A spread over other values that are as probable as the one stated."""
+    away = np.subtract(others, value)
+    if not len(away) or np.allclose(away, 0.0):
+        return spread
+    u = float(np.sqrt(spread.u**2 + np.sum(away**2) / (1.0 + len(away))))
+    return Spread(u, min(spread.low, *others), max(spread.high, *others), is_shown=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import ClassVar
@@ -164,6 +164,12 @@ class Effect(ABC):
     def not_testable(self, path: Circumstances, target: str) -> str | None:
         """Why these states cannot show the effect, in words, or None."""
         return None
+
+    def alike(
+        self, paths: Sequence[Circumstances], target: str, parameters: Mapping[str, float]
+    ) -> tuple[dict[str, float], ...]:
+        """Other parameters that do the same at all these states; none unless overridden."""
+        return ()
 
     def slack_pattern(
         self, path: Circumstances, target: str, parameters: Mapping[str, float]

@@ -6,13 +6,15 @@ from vmach.effects.effect import Effect, along
 from vmach.effects.parameter import inner, linear
 from vmach.machine import LINEAR_AXES
 
-__all__ = ["CyclicPitch"]
+__all__ = ["CyclicPitch", "even_step_mm"]
 
 #: ends of the range of pitches, and the coarsest steps between them
 _SHORTEST_MM, _LONGEST_MM = 3.0, 50.0
 _FEWEST_STEPS = 40
 #: a wave of any length goes through fewer places than this
 _PLACES = 12
+#: places that are even up to this are; a wave of the shortest pitch moves by 4 % of its amplitude
+_EVEN_MM = 0.02
 
 
 class CyclicPitch(Effect):
@@ -63,6 +65,31 @@ class CyclicPitch(Effect):
         waves = [along(target, size_mm * wave(angle)) for wave in (np.sin, np.cos)]
         return np.stack(waves, axis=2)
 
+    def alike(self, paths, target, parameters):
+        axis = LINEAR_AXES.index(target)
+        own = [p.nose_mm[:, axis] for p in paths if np.ptp(p.nose_mm[:, axis]) > 0.0]
+        places = np.concatenate(own) if own else np.zeros(0)
+        step = even_step_mm(places)
+        if step is None:
+            return ()
+        # with q = q_0 + n step, a frequency k/step more turns every place by whole waves
+        begin, reach = float(places.min()), float(np.ptp(places))
+        frequency, phase = 1.0 / parameters["pitch_mm"], parameters["phase_rad"]
+        found = []
+        for way in (1.0, -1.0):
+            most = int(np.ceil(step * (1.0 / _SHORTEST_MM + frequency)))
+            for k in range(-most, most + 1):
+                other = way * frequency + k / step
+                if not 1.0 / _LONGEST_MM <= other <= 1.0 / _SHORTEST_MM:
+                    continue
+                if abs(other - frequency) * reach < 1.0:
+                    continue  # the same pitch, as far as these places tell
+                turned = phase - way * 2.0 * np.pi * k * begin / step
+                turned = turned if way > 0.0 else np.pi - turned
+                turned = (turned + np.pi) % (2.0 * np.pi) - np.pi
+                found.append({**parameters, "pitch_mm": 1.0 / other, "phase_rad": turned})
+        return tuple(found)
+
     # a fit works with the amplitudes of sine and cosine, which enter in proportion
 
     @property
@@ -92,3 +119,20 @@ class CyclicPitch(Effect):
         sine, cosine = self.parameters[0].usual * coefficients
         amplitude, phase = np.hypot(sine, cosine), np.arctan2(cosine, sine)
         return {"amplitude_um": float(amplitude), "phase_rad": float(phase), **inner_values}
+
+
+def even_step_mm(places_mm: np.ndarray) -> float | None:
+    """The step of which all distances of some places, (P,), are multiples; None where none is.
+
+    Source: C. E. Shannon, Communication in the presence of noise (1949): samples a step apart
+    cannot tell frequencies that differ by 1/step.
+    """
+    places = np.unique(np.round(places_mm, 3))
+    if len(places) < _PLACES:
+        return None
+    places = places[np.diff(places, prepend=places[0] - 1.0) > 2.0 * _EVEN_MM]
+    away = np.diff(places)
+    number = np.concatenate([[0.0], np.cumsum(np.round(away / away.min()))])
+    step, begin = np.polyfit(number, places, 1)
+    off = np.abs(places - begin - step * number).max()
+    return float(step) if off <= _EVEN_MM else None
