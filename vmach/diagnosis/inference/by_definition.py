@@ -53,7 +53,7 @@ def beyond_slopes(
     """
     taken = []
     for law in laws:
-        beside = _beside(weighing, found, law) if _goes_before_curves(weighing, law) else None
+        beside = _beside(weighing, found, law) if law.effect.goes_before_curves else None
         if beside is not None and beside.score > found.score - CLEARLY:
             found = beside
             taken.append(law)
@@ -86,25 +86,24 @@ def _as_tested(weighing: Weighing, found: Explanation) -> Explanation:
     return found
 
 
-def _goes_before_curves(weighing: Weighing, candidate: Candidate) -> bool:
-    """Whether it is a plain law that every machine has some of, and nobody measured."""
-    effect, machine = candidate.effect, weighing.survey.job.machine
-    return effect.goes_before_curves and effect.is_unmeasured(machine, candidate.target)
-
-
 def _beside(weighing: Weighing, found: Explanation, law: Candidate) -> Explanation | None:
-    """An explanation by a plain law, and by what lies beyond it of the curves that hold it."""
-    terms = [
-        replace(term, inner=_inner_beyond(weighing, term.effect, term.target, term.inner))
-        if _holds(weighing, weighing.candidates[weighing.index_of(term.label)], law)
-        else term
+    """A plain law, and what lies beyond it of curves that hold it, or nothing; None without any."""
+    curves = [
+        term
         for term in found.terms
+        if _holds(weighing, weighing.candidates[weighing.index_of(term.label)], law)
     ]
-    if all(new is old for new, old in zip(terms, found.terms, strict=True)):
-        return None
+    beyond = [
+        replace(term, inner=_inner_beyond(weighing, term.effect, term.target, term.inner))
+        for term in curves
+    ]
+    others = [term for term in found.terms if term not in curves]
     if law.label not in found.labels:
-        terms.append(weighing.term(weighing.index_of(law.label), found))
-    return weighing.explain(terms, found.posterior.sizes, refine=False)
+        others.append(weighing.term(weighing.index_of(law.label), found))
+    sizes = found.posterior.sizes
+    ways = [[*others, *beyond], others] if beyond != curves else []
+    explained = (weighing.explain(terms, sizes, refine=False) for terms in ways)
+    return max(explained, key=lambda e: e.score, default=None)
 
 
 def _holds(weighing: Weighing, curve: Candidate, law: Candidate) -> bool:
