@@ -78,3 +78,14 @@ def test_what_is_added_has_the_size_that_was_said(tmp_path):
     u = lean.u["squareness_urad"]
     assert u < 5.0
     assert lean.parameters["squareness_urad"] == pytest.approx(LEAN_URAD, abs=3.0 * u)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_stated_squareness_goes_before_a_curve_that_is_as_probable(tmp_path, seed):
+    """Nobody measured the tables, and somebody the squareness: what is out is told plainly."""
+    job = plate(tmp_path, seed=seed, bend_um=0.0)
+    with (tmp_path / "machine.toml").open("a") as machine:
+        machine.write("[squareness]\nEC0Y = 5.0\n")
+    (lean,) = [f for f in diagnose(survey_job(job)).findings if f.name != "scale"]
+    assert lean.label == "squareness C0Y"
+    assert "component EXY" in lean.rivals.labels

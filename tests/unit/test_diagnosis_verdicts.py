@@ -13,11 +13,11 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from tests.small_job import measurement, write_job
+from tests.small_job import measurement, write_job, write_table
 from vmach.diagnosis.diagnose import diagnose, not_followed
 from vmach.diagnosis.findings import Finding
 from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossible_size_notes
-from vmach.diagnosis.inference import verdicts
+from vmach.diagnosis.inference import moves, verdicts
 from vmach.diagnosis.inference.noise import noise_before
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.remains import remains_um, where_they_act_um
@@ -647,3 +647,35 @@ def test_a_curve_that_a_part_alone_shows_has_no_level():
 def test_a_weak_effect_comes_with_the_number_that_decides(support, said):
     assert weak_words(Weak(None, support, Reason.DOUBTFUL)) == said
     assert weak_words(Weak(None, support, Reason.REPLACED)) == str(Reason.REPLACED)
+
+
+def test_a_share_of_tables_that_no_control_has_is_not_told(tmp_path):
+    """A machine that errs by six times its tables errs by something else."""
+
+    def waved(x):
+        return 2.0 * np.sin(x / 40.0) + 0.02 * x
+
+    def hidden(q, side, time):
+        return np.column_stack([6.0 * waved(q[:, 0]), 6.0 * waved(q[:, 1]), 0 * time])
+
+    job = tip_job(tmp_path, hidden, count=150)
+    for name in ("EXX", "EYY"):
+        write_table(tmp_path, name, (-400.0, 0.0), waved)
+        with (tmp_path / "machine.toml").open("a") as machine:
+            machine.write(f'[errors.{name}]\ntable = "errors/{name}.csv"\n')
+    found = diagnose(survey_job(job))
+    assert "error_tables" not in {finding.name for finding in found.findings}
+
+
+def test_what_stands_for_two_with_an_impossible_size_gives_way_to_both(tmp_path, monkeypatch):
+    """Neither of them alone comes near it."""
+    weighing = prepare_weighing(survey_job(tip_job(tmp_path, stretched_and_loose, count=150)))
+    wrong = weighing.extend(weighing.nothing(), weighing.index_of("component EXX"))
+
+    def impossible(fit):
+        return [k for k, term in enumerate(fit.terms) if term.label == "component EXX"]
+
+    monkeypatch.setattr(moves, "impossible_terms", impossible)
+    monkeypatch.setattr(moves, "has_impossible_sizes", lambda fit: bool(impossible(fit)))
+    found = moves.search_possible(weighing, wrong)
+    assert found.labels == {"scale X", "backlash Y"}

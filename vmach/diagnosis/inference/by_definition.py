@@ -51,12 +51,13 @@ def beyond_slopes(
     found : Explanation
     laws : sequence of Candidate
     """
-    taken = []
+    taken, machine = [], weighing.survey.job.machine
     for law in laws:
-        beside = _beside(weighing, found, law) if law.effect.goes_before_curves else None
+        is_open = law.effect.is_unmeasured(machine, law.target)
+        beside = _beside(weighing, found, law, is_open) if law.effect.goes_before_curves else None
         if beside is not None and beside.score > found.score - CLEARLY:
             found = beside
-            taken.append(law)
+            taken += [law] * is_open  # of one that was measured a curve may be the change
     if taken:
         curves = ((c, any(_holds(weighing, c, law) for law in taken)) for c in weighing.candidates)
         weighing = weighing.with_candidates([_beyond(weighing, c) if h else c for c, h in curves])
@@ -86,8 +87,10 @@ def _as_tested(weighing: Weighing, found: Explanation) -> Explanation:
     return found
 
 
-def _beside(weighing: Weighing, found: Explanation, law: Candidate) -> Explanation | None:
-    """A plain law, and what lies beyond it of curves that hold it, or nothing; None without any."""
+def _beside(
+    weighing: Weighing, found: Explanation, law: Candidate, is_open: bool
+) -> Explanation | None:
+    """A plain law in place of curves that hold it, or with what lies beyond it of them if open."""
     curves = [
         term
         for term in found.terms
@@ -97,12 +100,12 @@ def _beside(weighing: Weighing, found: Explanation, law: Candidate) -> Explanati
         replace(term, inner=_inner_beyond(weighing, term.effect, term.target, term.inner))
         for term in curves
     ]
-    others = [term for term in found.terms if term not in curves]
-    if law.label not in found.labels:
+    others, is_new = [t for t in found.terms if t not in curves], law.label not in found.labels
+    if is_new:
         others.append(weighing.term(weighing.index_of(law.label), found))
     sizes = found.posterior.sizes
-    ways = [[*others, *beyond], others] if beyond != curves else []
-    explained = (weighing.explain(terms, sizes, refine=False) for terms in ways)
+    ways = [others, [*others, *beyond]][: 1 + is_open] if is_open or is_new else []
+    explained = (weighing.explain(way, sizes, refine=False) for way in ways if beyond != curves)
     return max(explained, key=lambda e: e.score, default=None)
 
 

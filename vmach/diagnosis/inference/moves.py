@@ -127,14 +127,18 @@ def _is_possible(tried: Explanation) -> bool:
 
 
 def _near_impossible(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
-    """One effect more of many, as what is missing hides; another in place of an impossible size."""
+    """One effect more of many, as what is missing hides; others in place of an impossible size."""
     for k in _ranked(weighing, weighing.gains(here), here.labels)[:_MORE]:
         yield weighing.extend(here, k)
     assert here.fit is not None
-    for gone in impossible_terms(here.fit):
+    impossible = {here.terms[k].label: k for k in impossible_terms(here.fit)}
+    for gone in impossible.values():
         others = weighing.without(here, [gone], resize=False)
         for k in _leading(weighing, others, here.labels):
             yield weighing.extend(others, k)
+    fewer = weighing.with_candidates([c for c in weighing.candidates if c.label not in impossible])
+    found = search_exchanging(fewer, fewer.nothing())
+    yield weighing.explain(found.terms, found.posterior.sizes, refine=False)
 
 
 def _added(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:

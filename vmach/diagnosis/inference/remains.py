@@ -31,8 +31,7 @@ OF_DEVICE = (CLAMPINGS, DRIFT, WARMING)
 _WALL = 0.5
 #: fewer readings say nothing of a variance: of 20 it is uncertain by a third (GUM, table E.1)
 _FEW = 20
-#: sizes are told apart down to this share of the stated uncertainty; chosen, so that a reading
-#: that happens to be exact has no endless logarithm
+#: share of u down to which sizes are told apart; chosen: an exact reading has no logarithm
 _LEAST = 0.01
 
 

@@ -24,11 +24,9 @@ CLEARLY = 4.6
 SHOWN = 3.45
 #: log prior odds of an effect that every machine has and nobody measured in this one
 UNMEASURED = 4.0
-#: size of an effect, in what remains where it acts, times its share of all that is not known to be
-#: there, where it is as probably an imitation as not
+#: size of an effect times its share, in what remains, where it is as probably an imitation as not
 IMITATION = 2.0
-#: share of its size that a form leaves an effect at least, less is left of an imitation; and whose
-#: inverse it does not reach beside a form, as a part of the form's cause does
+#: share of its size that an effect keeps beside a form, and whose inverse it does not reach
 KEPT = 0.5
 #: what remains counts as structure from this multiple of the median stated uncertainty on
 STRUCTURE = 1.0

@@ -236,10 +236,7 @@ def _forms_of(grown: Explanation) -> list[Term]:
 def _better(
     weighing: Weighing, found: Explanation, start: Weighing
 ) -> tuple[Weighing, Explanation]:
-    """What another start leads to, where that is more probable than what was found.
-
-    One at a time: products of many readings take much memory.
-    """
+    """What another start leads to, where that is more probable; one at a time, for its memory."""
     weighing.forget()
     other, end = _settled(start, start.nothing(), search)
     if end.score > found.score:

@@ -1,10 +1,16 @@
 """Error tables that do not hold: the control compensates them, or their sign is reversed."""
 
+from dataclasses import replace
+
 from vmach.effects.effect import Effect
 from vmach.effects.parameter import linear
 from vmach.machine import COMPONENT_NAMES, RigidDisplacement
 
 __all__ = ["ErrorTables"]
+
+#: no control errs by more of its tables: reversed is -2; with half of that as margin, as tables
+#: and compensation may be of different years
+_MOST = 3.0
 
 
 class ErrorTables(Effect):
@@ -24,7 +30,10 @@ class ErrorTables(Effect):
         "compensation; closed form derived here: what is foretold is in proportion to the tables"
     )
     parameters = (
-        linear("share", "beside what the tables say: -1 compensated, -2 reversed", usual=1.5),
+        replace(
+            linear("share", "beside what the tables say: -1 compensated, -2 reversed", usual=1.5),
+            most=_MOST,
+        ),
     )
     targets = ("all", "tables", *COMPONENT_NAMES)
     turns_tool = True
