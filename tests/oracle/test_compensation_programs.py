@@ -149,6 +149,20 @@ def test_a_correction_that_turns_an_axis_back_does_not_chatter(tmp_path):
     assert found.unrounded.mean_mm < 1e-4
 
 
+def test_a_correction_that_turns_an_axis_before_a_cut_gets_a_step_though_play_takes_way(tmp_path):
+    # on the way down X is corrected by micrometres against its way; the cut turns it once more
+    effects_text = (
+        "[effects.backlash.X]\nreversal_um = 8\ntake_up_mm = 0.005\n"
+        "[effects.squareness.B0Z]\nsquareness_urad = -100\n"
+    )
+    body = "G0 X-20. Z60.\nG0 X0.\nG0 Z2.\nG1 Z-1. F200\nX20. Y40.\nM30\n"
+    job, effects = job_with(tmp_path, body, effects_text)
+    found = compensate(job, effects)
+    assert found.steps == 1
+    # half as much, times e^-1, as the way over which it is taken up leaves of a step of its length
+    assert found.unrounded.largest_mm < 0.005 / np.e
+
+
 def test_lag_on_circles_makes_larger_circles(tmp_path):
     lag_ms2, feed, radius = 400.0, 3000.0, 30.0
     body = f"G1 Z-1. F{feed}\nG2 X0. Y0. I{radius} J0.\nM30\n"

@@ -249,7 +249,7 @@ class Iteration:
     ) -> tuple[Plan, np.ndarray, np.ndarray] | None:
         """The plan with pieces that leave too much cut or stepped into; None for none."""
         plan, run = found.plan, found.run
-        left, at_start = run.residual_of_pieces
+        left, at_start, ready = run.residual_of_pieces
         moves = self.preparation.path.nodes.moves
         span = plan.last - plan.first
         length = span * self.rewriter.length_mm[plan.move]
@@ -260,7 +260,7 @@ class Iteration:
         split = cuts & ~step & (left > tolerance_mm) & (length > 2 * _SHORTEST_MM)
         if not (step.any() or split.any()):
             return None
-        refined, origin = plan.refined(split, step)
+        refined, origin = plan.refined(split, step, ready)
         ends, middles = self._first_guess(refined)
         kept = origin >= 0
         ends[kept] = found.target.ends_mm[origin[kept]] - plan.aim_mm[origin[kept]]

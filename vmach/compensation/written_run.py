@@ -18,9 +18,10 @@ from vmach.base.memory import give_back_free_memory
 from vmach.compensation.aim.path_shift import PathShift
 from vmach.compensation.model import TipModel
 from vmach.compensation.pieces.plan import Plan
+from vmach.compensation.pieces.reversals import TAKE_UP_MM, is_taken_up, settled
 from vmach.compensation.residual import Residual
 from vmach.errors import InputError
-from vmach.path.geometry import across, position_at, tangent_at
+from vmach.path.geometry import across, move_length_mm, position_at, tangent_at
 from vmach.path.preparation import Preparation, prepare
 from vmach.program_text import Expanded, Written, job_of_control
 
@@ -31,7 +32,8 @@ _SPACING_MM = 0.5
 #: of every piece, most and fewest; of moves without points
 _MOST_INSIDE, _FEWEST_INSIDE = 400, 4
 _ON_RAPIDS = 9
-#: how much farther off than before such a move may be: rounding
+#: how much farther off than before such a move may be: rounding. Also the least lost motion
+#: behind the begin of a piece that gets a step: a block at the usual resolution
 _SLACK_MM = 1e-3
 #: the end of a move belongs to its last piece, and a step has no way
 _INSIDE = 1.0 - 1e-9
@@ -228,17 +230,46 @@ class WrittenRun:
         return Residual.of(now[worse], nominal.line[move[worse]])
 
     @cached_property
-    def residual_of_pieces(self) -> tuple[np.ndarray, np.ndarray]:
-        """What more pieces could mend: largest distance (K,) of every piece, and start, (K, 3).
+    def residual_of_pieces(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """What more pieces could mend of K pieces.
 
         Axes that are stuck do not count.
+
+        Returns
+        -------
+        largest : (K,) float64
+            Largest distance of every piece.
+        at_start : (K, 3) float64
+            Across the path where it begins. Where lost motion is taken up behind its begin, the
+            same where that is done.
+        ready : (K,) float64
+            Share of the piece at which that is; 0 where it begins.
         """
         free = ~self.stuck[self.plan.move[self.written]]
         largest = (self._left if free.all() else self._left_in(free))[1]
-        at_start = np.zeros((len(self.plan.pieces), 3))
-        cuts = self.cuts
-        at_start[self.written[cuts]] = self._across(np.zeros(len(cuts)), cuts, free)
-        return largest, at_start
+        at_start, ready = np.zeros((len(self.plan.pieces), 3)), np.zeros(len(self.plan.pieces))
+        piece = self.written[self.cuts]
+        at_start[piece], ready[piece] = self._at_starts(free)
+        return largest, at_start, ready
+
+    def _at_starts(self, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Tool minus nominal position across the path at starts of pieces that cut, as above."""
+        cuts, moves = self.cuts, self.again.path.nodes.moves
+
+        def there(share: np.ndarray) -> np.ndarray:
+            return self._across(share, cuts, counts)
+
+        begin = np.zeros(len(cuts))
+        at_begin = there(begin)
+        way = position_at(moves, self.row[cuts], begin + 0.5)
+        way -= position_at(moves, self.row[cuts], begin)
+        length = move_length_mm(moves)[self.row[cuts]]
+        goes = np.abs(way) >= TAKE_UP_MM
+        later = settled(moves, self.row[cuts], begin, goes, length_mm=length)
+        in_full = there(later)
+        grows = is_taken_up(at_begin, there(0.5 * later), in_full, there(2.0 * later),
+                            least_mm=_SLACK_MM)  # fmt: skip
+        return np.where(grows[:, None], in_full, at_begin), np.where(grows, later, begin)
 
     def _distances(self, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Distances where axes count, row of `written`, and whether it is settled; (P,) each."""

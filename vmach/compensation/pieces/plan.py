@@ -75,12 +75,16 @@ class Plan:
         share[step + 1] = np.minimum(late, 0.5)
         return share
 
-    def refined(self, split: np.ndarray, step: np.ndarray) -> tuple[Plan, np.ndarray]:
+    def refined(
+        self, split: np.ndarray, step: np.ndarray, ready: np.ndarray
+    ) -> tuple[Plan, np.ndarray]:
         """The plan with some pieces halved, and steps before others.
 
         Parameters
         ----------
         split, step : (K,) bool
+        ready : (K,) float64
+            Share of a piece at which the error is there in full that its step answers.
 
         Returns
         -------
@@ -103,8 +107,9 @@ class Plan:
             end=np.where(is_step, start, np.where(is_first_half, middle, end)),
             is_arc=old.is_arc[owner] & ~is_step,
             kept=old.kept[owner] & is_last & ~split[owner],
-            settled=np.where(is_step, start, np.where(split[owner], 0.0, old.settled[owner])),
-        )
+            settled=np.where(is_step, start + ready[owner] * (old.end - old.start)[owner],
+                             np.where(split[owner], 0.0, old.settled[owner])),
+        )  # fmt: skip
         origin = np.where(is_last, owner, -1 - owner)
         aim = np.where(is_last[:, None], self.aim_mm[owner], 0.0)
         return Plan(pieces, aim), origin

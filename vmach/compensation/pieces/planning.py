@@ -15,7 +15,12 @@ import numpy as np
 from gcode import MoveKind, Moves
 from vmach.compensation.pieces.arcs import LARGEST_SWEEP_RAD, circle_misses, split_arc
 from vmach.compensation.pieces.plan import Plan
-from vmach.compensation.pieces.reversals import reversals_of_arcs, settled, turned_at_start
+from vmach.compensation.pieces.reversals import (
+    is_taken_up,
+    reversals_of_arcs,
+    settled,
+    turned_at_start,
+)
 from vmach.compensation.pieces.sampling import ErrorAlongMoves, ErrorAt
 from vmach.compensation.pieces.tube import fewest_pieces
 from vmach.path.geometry import across, move_length_mm, position_at, tangent_at
@@ -25,8 +30,6 @@ __all__ = ["plan_pieces"]
 
 #: an error smaller than this is none
 _NOTHING_MM = 1e-9
-#: lost motion is taken up by this share halfway, and does not go on after that
-_SUDDEN = 0.75
 #: parameters that are nearer than this are one place
 _ASIDE = 1e-5
 #: share of the tolerance by which a corner may be off, across either of its two moves
@@ -169,10 +172,7 @@ class _Planner:
         at_once, in_full = self.error_at(move, soon), self.error_at(move, later)
         halfway = self.error_at(move, 0.5 * (place + later))
         farther = self.error_at(move, np.minimum(2.0 * later - place, 1.0))
-        growth = np.linalg.norm(in_full - at_once, axis=1)
-        grows = growth > 3.0 * tolerance_mm
-        grows &= np.linalg.norm(halfway - at_once, axis=1) > _SUDDEN * growth
-        grows &= np.linalg.norm(farther - in_full, axis=1) < (1.0 - _SUDDEN) * growth
+        grows = is_taken_up(at_once, halfway, in_full, farther, least_mm=3.0 * tolerance_mm)
         return np.where(grows, later, soon), np.where(grows[:, None], in_full, at_once)
 
     def _turns_of_arcs(self, arcs: np.ndarray) -> _Turns:

@@ -11,14 +11,16 @@ import numpy as np
 from gcode import Moves
 from vmach.path.geometry import last_direction, position_at
 
-__all__ = ["reversals_of_arcs", "settled", "turned_at_start"]
+__all__ = ["TAKE_UP_MM", "is_taken_up", "reversals_of_arcs", "settled", "turned_at_start"]
 
 #: way of an axis after which its lost motion counts as taken up
-_TAKE_UP_MM = 0.03
+TAKE_UP_MM = 0.03
 #: one looks no farther from a reversal
 _FARTHEST_MM = 2.5
 #: places whose ladders are looked at in one go
 _PLACES_AT_ONCE = 4096
+#: lost motion is taken up by this share halfway, and does not go on after that
+_SUDDEN = 0.75
 #: parameters, from a reversal on, at which one looks whether it is taken up
 _LADDER = np.geomspace(1e-5, 0.5, 41)
 
@@ -67,6 +69,26 @@ def reversals_of_arcs(moves: Moves, arcs: np.ndarray) -> tuple[np.ndarray, np.nd
     return owner[order], place[order], np.arange(3) == axis[order, None]
 
 
+def is_taken_up(
+    at_once: np.ndarray, halfway: np.ndarray, in_full: np.ndarray, farther: np.ndarray, *,
+    least_mm: np.ndarray | float,
+) -> np.ndarray:  # fmt: skip
+    """Whether an error changes as one that is taken up and then stays, (P,) bool.
+
+    Parameters
+    ----------
+    at_once, halfway, in_full, farther : (P, 3) float64
+        The error where an axis turns back, where it is taken up (`settled`), halfway there and
+        at twice that way, mm.
+    least_mm : (P,) float64 or float
+        A smaller change is none.
+    """
+    growth = np.linalg.norm(in_full - at_once, axis=1)
+    grows = growth > least_mm
+    grows &= np.linalg.norm(halfway - at_once, axis=1) > _SUDDEN * growth
+    return grows & (np.linalg.norm(farther - in_full, axis=1) < (1.0 - _SUDDEN) * growth)
+
+
 def settled(
     moves: Moves, move: np.ndarray, place: np.ndarray, turned: np.ndarray, *, length_mm: np.ndarray
 ) -> np.ndarray:
@@ -99,7 +121,7 @@ def _taken_up(
     owner = np.repeat(move, len(_LADDER))
     there = position_at(moves, owner, later.ravel()).reshape(len(move), len(_LADDER), 3)
     way = np.abs(there - position_at(moves, move, place)[:, None])
-    ready = ((way >= _TAKE_UP_MM) | ~turned[:, None]).all(axis=2)
+    ready = ((way >= TAKE_UP_MM) | ~turned[:, None]).all(axis=2)
     ready |= _LADDER * length_mm[:, None] > _FARTHEST_MM
     first = np.where(ready.any(axis=1), np.argmax(ready, axis=1), len(_LADDER) - 1)
     return later[np.arange(len(move)), first]
