@@ -176,6 +176,20 @@ def test_lag_on_circles_makes_larger_circles(tmp_path):
     assert found.unrounded.largest_mm < 1e-4
 
 
+def test_lost_motion_on_a_small_circle_is_told_from_the_lag_that_turns_with_it(tmp_path):
+    # arcs of some hundredths, cut in place of a step, would have a lag that follows their rounding
+    effects_text = (
+        "[effects.servo_lag]\nlag_ms2 = 60\n"
+        "[effects.backlash.Y]\nreversal_um = 6\ntake_up_mm = 0.003\n"
+        "[effects.scale.X]\nscale_ppm = 40\n"
+    )
+    body = "G1 Z-1. F300\nG1 X2. F1500\nG3 X2. Y0. I-2.\nG1 X8.\nG3 X8. Y0. I-8.\nM30\n"
+    job, effects = job_with(tmp_path, body, effects_text)
+    found = compensate(job, effects)
+    assert found.largest_correction_mm < 0.02
+    assert found.after.largest_mm < 3e-3
+
+
 def test_what_is_faster_than_a_block_is_named_by_line(tmp_path):
     backlash = "[effects.backlash.X]\nreversal_um = 12\ntake_up_mm = 0.005\n"
     body = "G1 Z-1. F1000\nX60.\nY40.\nX0. Y30.\nY0.\nM30\n"

@@ -165,15 +165,29 @@ class _Planner:
     def _settled(
         self, move: np.ndarray, place: np.ndarray, turned: np.ndarray, tolerance_mm: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Where the error after reversals is there in full, (P,), and that error, (P, 3)."""
+        """Where the error after reversals is there in full, (P,), and that error, (P, 3).
+
+        What changes with the place as well, as lag does on a small circle, is told from lost
+        motion by how it changed on as long a way before.
+        """
         length = self.length_mm[move]
         soon = settled(self.moves, move, place, np.zeros_like(turned), length_mm=length)
         later = settled(self.moves, move, place, turned, length_mm=length)
-        at_once, in_full = self.error_at(move, soon), self.error_at(move, later)
-        halfway = self.error_at(move, 0.5 * (place + later))
-        farther = self.error_at(move, np.minimum(2.0 * later - place, 1.0))
+        trend = self._trend(move, place, later - place)
+        at_once, in_full = self.error_at(move, soon), self.error_at(move, later) - trend
+        halfway = self.error_at(move, 0.5 * (place + later)) - 0.5 * trend
+        farther = self.error_at(move, np.minimum(2.0 * later - place, 1.0)) - 2.0 * trend
         grows = is_taken_up(at_once, halfway, in_full, farther, least_mm=3.0 * tolerance_mm)
         return np.where(grows, later, soon), np.where(grows[:, None], in_full, at_once)
+
+    def _trend(self, move: np.ndarray, place: np.ndarray, way: np.ndarray) -> np.ndarray:
+        """How much the error changed on a way before places, (P, 3); 0 where moves begin."""
+        trend = np.zeros((len(move), 3))
+        rows = np.flatnonzero(place > way)
+        if rows.size:
+            move, place, way = move[rows], place[rows] - _ASIDE, way[rows] - _ASIDE
+            trend[rows] = self.error_at(move, place) - self.error_at(move, place - way)
+        return trend
 
     def _turns_of_arcs(self, arcs: np.ndarray) -> _Turns:
         """Where axes turn back on arcs, where the error is there in full, and after and before.
