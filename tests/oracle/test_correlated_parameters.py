@@ -216,3 +216,25 @@ def test_a_form_that_holds_what_is_added_does_not_take_its_place(tmp_path):
     assert found.parameters["scale_ppm"] == pytest.approx(30.0, abs=2.0)
     # beside a sag of 4 um, of which nothing says that it has no slope
     assert found.u["scale_ppm"] < 2.0
+
+
+BACKLASH = """
+[effects.backlash.X]
+reversal_um = 6
+take_up_mm = 0.005
+[[fitted]]
+effect = "backlash"
+target = "X"
+one_sigma = [{reversal_um = 0.2}, {take_up_mm = 0.05}]
+"""
+
+
+def test_a_way_that_is_hardly_known_leaves_no_more_open_than_the_lost_motion(tmp_path):
+    """The law is bent: its slope at 5 um, times 50 um, is three times the reversal value."""
+    job = write_job(tmp_path, more=BACKLASH)
+    program = tmp_path / "part.nc"
+    # X turns back by 6 um before it goes along the wall: its play is half taken up
+    text = program.read_text().replace("X-15\nY-10\n", "X-15.006\nX-15\nY-10\n", 1)
+    program.write_text(text)
+    u = 1e3 * prediction_u_mm(predict_points(job, tmp_path / "points.csv")[1])
+    assert 2.0 < u.max() < 3.1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -16,9 +17,6 @@ from vmach.path.toolpath import PathStates
 from vmach.path.touched_zero import touched_zero
 
 __all__ = ["EffectInstance"]
-
-#: share of a standard uncertainty by which parameters are moved, where laws are straight
-_SHARE = 0.05
 
 
 @dataclass(frozen=True)
@@ -87,12 +85,16 @@ class EffectInstance:
         return self.effect.unforeseen(path, self.target, self.parameters)
 
     def of_parameters(self, path: Circumstances) -> np.ndarray:
-        """The part that stays the same in all runs, one column a change, (P, 3, K) mm."""
+        """The part that stays the same in all runs, one column a change, (P, 3, K) mm.
+
+        Half of what a whole change to either side makes: a law that is bent within the uncertainty
+        of its parameters never errs by more than that, whatever its slope is in between.
+        """
         moved = np.zeros((len(path), 3, len(self.one_sigma)))
         if self.one_sigma and not self._is_out_of_sight(path):
-            here = self.at(path, self.parameters)
             for k, change in enumerate(self.one_sigma):
-                moved[:, :, k] = (self.at(path, self._towards(change)) - here) / _SHARE
+                up, down = (self.at(path, self._moved(change, by)) for by in (1.0, -1.0))
+                moved[:, :, k] = 0.5 * (up - down)
         return moved
 
     def at_parameters(self, path: Circumstances, drawn: Sequence[float]) -> np.ndarray:
@@ -106,7 +108,7 @@ class EffectInstance:
         """
         if self._is_out_of_sight(path):
             return np.zeros((len(path), 3))
-        return self.at(path, self.with_drawn(drawn).parameters)
+        return self.at(path, self._within_bounds(self.with_drawn(drawn).parameters))
 
     def with_drawn(self, drawn: Sequence[float]) -> EffectInstance:
         """The effect with its parameters moved along the changes of `one_sigma`, (K,) of them."""
@@ -120,10 +122,18 @@ class EffectInstance:
         """Whether readings of this kind cannot show it."""
         return not self.effect.shows_on(path.states)
 
-    def _towards(self, change: Mapping[str, Any]) -> dict[str, Any]:
-        """The parameters, moved by a small share of a change."""
-        moved = {n: _SHARE * np.asarray(d) + self.parameters[n] for n, d in change.items()}
-        return {**self.parameters, **moved}
+    def _moved(self, change: Mapping[str, Any], by: float) -> dict[str, Any]:
+        """The parameters, moved by some of a change."""
+        moved = {n: by * np.asarray(d) + self.parameters[n] for n, d in change.items()}
+        return self._within_bounds({**self.parameters, **moved})
+
+    def _within_bounds(self, parameters: Mapping[str, Any]) -> dict[str, Any]:
+        """Parameters held where the effect has them: a way below zero makes no law."""
+        held = dict(parameters)
+        for one in self.effect.parameters:
+            if one.name in held and not math.isfinite(one.cycle):
+                held[one.name] = np.clip(held[one.name], one.low, one.high).tolist()
+        return held
 
     def at(self, path: Circumstances, parameters: Mapping[str, Any]) -> np.ndarray:
         """Displacement at the contact with other parameters, (P, 3) mm.
