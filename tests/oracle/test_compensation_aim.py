@@ -119,6 +119,20 @@ def test_a_long_tool_is_lifted(tmp_path):
     assert np.abs(checked.after_mm).max() < 1e-6
 
 
+SLIPPED = "[effects.datum_shift]\nshift_x_um = 9\nshift_y_um = 0\nshift_z_um = 0\ntime_s = 1\n"
+
+
+@pytest.mark.parametrize(("effects_text", "said"), [(SLIPPED, ["datum_shift"]), (THIN, [])])
+def test_what_happened_once_is_answered_with_a_note(tmp_path, effects_text, said):
+    job, effects = job_in_stock(tmp_path, AROUND, effects_text)
+    found, _ = aimed(job, effects)
+    once = [note for note in found.notes if note.kind == "once"]
+    assert [note.place for note in once] == said
+    assert all(note.size == 1.0 for note in once)
+    kept = compensate(job, effects)
+    assert not [note for note in kept.notes if note.kind == "once"], "the tip does not answer it"
+
+
 def test_a_ball_that_is_thin_stays_on_its_slope(tmp_path):
     # passes along Y through the blank, 0.8 mm apart up a slope of 30 degrees, ball of 10 mm
     normal = np.array([-0.5, 0.0, 0.75**0.5])

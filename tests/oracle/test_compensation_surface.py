@@ -8,6 +8,7 @@ import pytest
 from tests.oracle.test_compensation_programs import SCALE, SCALE_PPM, job_with
 from vmach.compensation import compensate
 from vmach.compensation.aim.surface import check_surface, read_surface
+from vmach.compensation.figures import remarks
 from vmach.effects import read_effects
 from vmach.job import read_job
 
@@ -67,6 +68,7 @@ def test_what_acts_at_the_edge_is_named_with_its_size(tmp_path):
     assert "T1" in label
     walls = np.abs(checked.surface.points.normal[checked.row][:, 0]) == 1.0
     np.testing.assert_allclose(checked.at_edge_mm[label][walls], -7e-3, atol=1e-12)
+    assert list(remarks(found, checked))[-1].startswith("--aim part answers")
     # the path is not moved by it: all of it is left on the part
     assert np.abs(checked.after_mm[walls] + 7e-3).max() < 0.9e-3
 

@@ -84,6 +84,7 @@ class Kind(StrEnum):
     IMPOSSIBLE = "impossible"  #: a fitted size that nature does not have
     NOT_CALLED_FOR = "not called for"  #: an effect that the measurements do not ask for
     KEPT = "kept"  #: an effect of the job that was not fitted anew
+    ONCE = "once"  #: an effect that began at one moment of one part
     # evaluations
     RUNS = "runs"  #: too few runs for a figure
     TARGETS = "targets"

@@ -18,7 +18,7 @@ from vmach.compensation.iteration import Iteration, Solution
 from vmach.compensation.model import TipModel
 from vmach.compensation.residual import Residual
 from vmach.compensation.safety import check_corrections, check_part, check_result
-from vmach.compensation.uncorrected import uncorrected
+from vmach.compensation.uncorrected import answered_once, uncorrected
 from vmach.job import Job
 from vmach.machine import Variant
 from vmach.nominal.points import SurfacePoints
@@ -199,7 +199,7 @@ def finish(
         steps=int(found.plan.is_step.sum()),
         tilt_rad=tilt_rad,
         part_aim=part_aim,
-        notes=preparation.notes,
+        notes=(*preparation.notes, *(answered_once(iteration.model.effects) if part_aim else ())),
     )
 
 

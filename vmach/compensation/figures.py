@@ -162,6 +162,8 @@ def remarks(found: Compensation, surface: SurfaceCheck | None) -> Iterator[str]:
         size = [f"{named['urad']:.1f} urad"] if "urad" in named else []
         size += [f"{named['surface_um']:.2f} um on the part"] if "surface_um" in named else []
         yield f"not corrected: {named['what']}, up to {', '.join(size)}"
+    if found.part_aim is None and surface is not None and surface.at_edge_mm:
+        yield "--aim part answers what acts at the cutting edge, as far as a shift of the path can"
 
 
 def _largest_and_mean(figures: dict[str, Any], name: str) -> str:

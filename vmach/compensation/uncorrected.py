@@ -1,16 +1,23 @@
 """What a compensated program leaves before rounding, by the user's lines, and why.
 
+And what it answers that need not happen again.
+
 Source: closed form derived here: distances of `vmach.compensation.residual`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from gcode import MoveKind
+from vmach.base.note import Kind, Note
 from vmach.compensation.iteration import Iteration, Solution
+from vmach.effects import EffectInstance
+from vmach.prediction import ActingEffect
 
-__all__ = ["uncorrected"]
+__all__ = ["answered_once", "uncorrected"]
 
 _UNKNOWN_START = "the program does not state where it begins: only its end is corrected"
 #: places along such a line
@@ -32,6 +39,25 @@ def uncorrected(
     far = found.residual.told_in(iteration.expansion).lines_beyond(tolerance_mm)
     left = {line: (size, reasons.get(line, _TOO_FAST)) for line, size in far.items()}
     return left | _of_unknown_start(iteration)
+
+
+def answered_once(effects: Sequence[ActingEffect]) -> tuple[Note, ...]:
+    """Notes of effects that began at one moment of the part that was measured."""
+    said = (
+        "{} began at {:.0f} s of the part that was measured; the program answers it as if it began "
+        "there in every part: take it out of the job where it was an accident"
+    )
+    return tuple(
+        Note.plain(
+            Kind.ONCE,
+            said.format(one.label, one.parameters["time_s"]),
+            one.parameters["time_s"],
+            "s",
+            place=one.label,
+        )
+        for one in effects
+        if isinstance(one, EffectInstance) and one.effect.is_sudden
+    )
 
 
 def _of_unknown_start(iteration: Iteration) -> dict[int, tuple[float, str]]:
