@@ -237,4 +237,5 @@ def test_a_way_that_is_hardly_known_leaves_no_more_open_than_the_lost_motion(tmp
     text = program.read_text().replace("X-15\nY-10\n", "X-15.006\nX-15\nY-10\n", 1)
     program.write_text(text)
     u = 1e3 * prediction_u_mm(predict_points(job, tmp_path / "points.csv")[1])
-    assert 2.0 < u.max() < 3.1
+    # from 6 um behind the reversal, where it is at 0.4 of 3 um, to the other side
+    assert 3.0 < u.max() < 4.3

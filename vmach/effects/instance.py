@@ -18,6 +18,9 @@ from vmach.path.touched_zero import touched_zero
 
 __all__ = ["EffectInstance"]
 
+#: share of a standard uncertainty by which parameters are moved, where laws are straight
+_SHARE = 0.05
+
 
 @dataclass(frozen=True)
 class EffectInstance:
@@ -87,14 +90,18 @@ class EffectInstance:
     def of_parameters(self, path: Circumstances) -> np.ndarray:
         """The part that stays the same in all runs, one column a change, (P, 3, K) mm.
 
-        Half of what a whole change to either side makes: a law that is bent within the uncertainty
-        of its parameters never errs by more than that, whatever its slope is in between.
+        The slope of the law, as parameters make up for each other only along it. Where the law is
+        bent, no more than what the whole change makes, to the side on which it makes more.
         """
         moved = np.zeros((len(path), 3, len(self.one_sigma)))
         if self.one_sigma and not self._is_out_of_sight(path):
+            here = self.at(path, self.parameters)
             for k, change in enumerate(self.one_sigma):
-                up, down = (self.at(path, self._moved(change, by)) for by in (1.0, -1.0))
-                moved[:, :, k] = 0.5 * (up - down)
+                slope = (self.at(path, self._moved(change, _SHARE)) - here) / _SHARE
+                if not self.is_straight:
+                    up, down = (self.at(path, self._moved(change, by)) - here for by in (1.0, -1.0))
+                    slope = _no_longer(slope, np.maximum(_length(up), _length(down)))
+                moved[:, :, k] = slope
         return moved
 
     def at_parameters(self, path: Circumstances, drawn: Sequence[float]) -> np.ndarray:
@@ -152,3 +159,14 @@ class EffectInstance:
     def _evaluate(self, states: PathStates) -> Displaced:
         path = Circumstances(states, self.job)
         return self.effect.displacement(path, self.target, **self.parameters)
+
+
+def _length(moved_mm: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(moved_mm, axis=1)
+
+
+def _no_longer(moved_mm: np.ndarray, most_mm: np.ndarray) -> np.ndarray:
+    """Displacements (P, 3), each cut to a length (P,)."""
+    length = _length(moved_mm)
+    share = np.divide(most_mm, length, out=np.ones_like(length), where=length > most_mm)
+    return share[:, None] * moved_mm
