@@ -287,7 +287,7 @@ def test_forms_without_room_are_weighed_once_at_each_look(pushed_job, monkeypatc
     assert looks[1] == looks[0] and looks[2] == looks[0]
 
 
-def test_no_form_is_tried_in_the_place_of_effects_that_are_sure(tmp_path):
+def test_forms_are_tried_beside_the_effects_that_stay_where_these_are_known(tmp_path):
     weighing = prepare_weighing(survey_job(tip_job(tmp_path, stretched_and_loose)))
     found = search(weighing, weighing.nothing())
     every = found.labels
@@ -295,13 +295,14 @@ def test_no_form_is_tried_in_the_place_of_effects_that_are_sure(tmp_path):
     forms = Forms(weighing, found)
     start = forms._start(found)
 
-    def beside(sure):
-        return [fewer.labels for fewer in forms._with_fewer(found, start, frozenset(sure))]
+    def tried(beside):
+        return [fewer.labels for fewer in forms._with_fewer(found, start, beside)]
 
-    assert beside([])[0] == frozenset() and len(beside([])) == len(every)
-    assert beside(every) == []
+    assert tried(None)[0] == frozenset() and len(tried(None)) == len(every)
+    assert tried(every) == []
     for label in every:
-        assert beside([label]) and all(label in labels for labels in beside([label]))
+        assert tried(frozenset([label])) == [frozenset([label])]
+    assert tried(frozenset()) == [frozenset()]
 
 
 def test_of_forms_that_round_alike_the_first_is_listed(pushed_job, monkeypatch):
