@@ -166,6 +166,7 @@ class Forms:
         without = [self._weighing.without(found, [k]).score for k in range(count)]
         order = np.argsort(without)[::-1].tolist()
         for fewer in range(1, count):
+            # forms that were chosen meanwhile are candidates too
             yield self._with(()).without(start, order[:fewer])
 
     def _is_worth_a_form(self, here: Explanation) -> bool:

@@ -22,15 +22,12 @@ from vmach.instruments.readings import (
 from vmach.machine import LINEAR_AXES
 from vmach.measurements import Measurement
 from vmach.measurements.instrument import Instrument
+from vmach.measurements.plausibility.alternatives import BETTER, FAR_BETTER, WITHIN_U
 from vmach.measurements.plausibility.motion_check import check_extent, check_travel
 from vmach.path.instrument_motion import stop_and_go
 from vmach.report.page.svg_plot import Frame, Plot, ticks
 
 __all__ = ["Tip"]
-
-#: readings that agree so many times better once they are turned, and then within so many standard
-#: uncertainties, or else so many times better; as for other mistakes that a job may hold
-_TURNED, _NEAR_U, _FAR_TURNED = 2.0, 1.25, 5.0
 
 
 class Tip(Instrument):
@@ -125,7 +122,7 @@ def _turned_notes(test: Measurement, nose_mm: np.ndarray) -> tuple[Note, ...]:
     plain = test.variation_mm(apart)
     turned = replace(test, nuisance=_left_free(nose_mm, with_rotation=True))
     left = turned.variation_mm(apart)
-    if plain < _TURNED * left or left > max(_NEAR_U * float(test.u_mm[0]), plain / _FAR_TURNED):
+    if plain < BETTER * left or left > max(WITHIN_U * float(test.u_mm[0]), plain / FAR_BETTER):
         return ()
     amounts = np.linalg.lstsq(turned.nuisance, apart, rcond=None)[0]
     by = ", ".join(f"{urad_from_rad(value):.0f}" for value in -amounts[3:])

@@ -18,22 +18,31 @@ from vmach.base.note import Kind, Note
 from vmach.base.units import um_from_mm
 from vmach.measurements.measurement import Measurement
 
-__all__ = ["Alternative", "Mistake", "alternative_notes", "is_doubtful", "other_sign"]
+__all__ = [
+    "BETTER",
+    "FAR_BETTER",
+    "WITHIN_U",
+    "Alternative",
+    "Mistake",
+    "alternative_notes",
+    "is_doubtful",
+    "other_sign",
+]
 
 #: readings further away than so many standard uncertainties are worth a question
 _CLEAR_U = 2.0
 #: readings that agree so many times better the other way round are suspicious
-_BETTER = 2.0
+BETTER = 2.0
 #: where they do not come as close as so many standard uncertainties, so many times better: an
 #: effect may have brought them there
-_CLOSE_U, _FAR_BETTER = 4.0, 5.0
+_CLOSE_U, FAR_BETTER = 4.0, 5.0
 #: and so many times better once displacements that grow in proportion with the place are taken
 #: off: a scale or a squareness may bring readings of one axis near the tables of another
 _BETTER_BENT = 2.0
 #: what brings readings within so many standard uncertainties leaves nothing to an effect; it has to
 #: be so many times better than a scale and a squareness would be; chosen: of readings that scatter
 #: alike the logarithm of this is 1/6 each
-_WITHIN_U, _BETTER_THAN_BENT = 1.25, 1.2
+WITHIN_U, _BETTER_THAN_BENT = 1.25, 1.2
 #: so many times the nearest is as near: some mistakes do the same to all readings, up to rounding
 _ALIKE = 1.001
 #: readings beyond the number of what is free, below which nothing can be said
@@ -121,15 +130,15 @@ def alternative_notes(test: Measurement, others: Iterable[Alternative]) -> tuple
 def _is_far_better(here: tuple[float, float], there: tuple[float, float], u_mm: float) -> bool:
     """Whether readings are far closer there, also once what is even is taken off of both."""
     (plain, bent), (apart, apart_bent) = here, there
-    is_close = apart <= _CLOSE_U * u_mm or plain >= _FAR_BETTER * apart
-    return is_close and plain >= _BETTER * apart and bent >= _BETTER_BENT * apart_bent
+    is_close = apart <= _CLOSE_U * u_mm or plain >= FAR_BETTER * apart
+    return is_close and plain >= BETTER * apart and bent >= _BETTER_BENT * apart_bent
 
 
 def _explains_all(here: tuple[float, float], there: tuple[float, float], u_mm: float) -> bool:
     """Whether nothing is left to explain there, and something here even without what is even."""
     (plain, bent), (apart, _) = here, there
-    is_all = apart <= _WITHIN_U * u_mm
-    return is_all and plain >= _BETTER * apart and bent >= _BETTER_THAN_BENT * apart
+    is_all = apart <= WITHIN_U * u_mm
+    return is_all and plain >= BETTER * apart and bent >= _BETTER_THAN_BENT * apart
 
 
 def _apart_mm(test: Measurement, predicted_mm: np.ndarray) -> tuple[float, float]:
