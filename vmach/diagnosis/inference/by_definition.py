@@ -43,7 +43,7 @@ def as_defined(weighing: Weighing, found: Explanation) -> tuple[Weighing, Explan
 def beyond_slopes(
     weighing: Weighing, found: Explanation, laws: Sequence[Candidate]
 ) -> tuple[Weighing, Explanation]:
-    """The same of some laws alone: plain ones stand beside curves that hold them, or in their place.
+    """The same of some laws alone: plain ones stand beside curves that hold them, or instead.
 
     Parameters
     ----------
