@@ -41,7 +41,7 @@ from vmach.diagnosis.inference.support import Support, supports_of
 from vmach.diagnosis.inference.verdicts import beside_forms, led
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.diagnosis.rivals import rivals_of
-from vmach.fit.sizes import _POWER, _USUAL_SIZE
+from vmach.fit.sizes import _POWER, USUAL_SIZE
 
 COLUMNS = (
     "kind", "noise", "seed", "effect", "is_true", "odds", "size_um", "rest_um", "share", "members",
@@ -148,9 +148,9 @@ def print_prior(rows: list[dict]) -> None:
         whole = np.log(np.trapezoid(np.exp(density(grid, *np.exp(both))), grid))
         return float(len(sizes) * whole - density(np.log(sizes), *np.exp(both)).sum())
 
-    here = np.log([_USUAL_SIZE, _POWER])
+    here = np.log([USUAL_SIZE, _POWER])
     best = minimize(cost, here, method="Nelder-Mead", bounds=[(np.log(0.02), 3.0), (-3.0, 3.0)])
-    print("_USUAL_SIZE, _POWER = {:.2g}, {:.2g}".format(*np.exp(best.x)), end="")
+    print("USUAL_SIZE, _POWER = {:.2g}, {:.2g}".format(*np.exp(best.x)), end="")
     print(f", more probable than those in use by exp({cost(here) - best.fun:.0f})")
 
 
