@@ -13,7 +13,9 @@ PEERS = ("FreeCAD", "opencamlib")
 
 
 @pytest.mark.parametrize("path", BENCHMARKS, ids=lambda path: path.stem)
-def test_benchmark_takes_only_what_is_there(path: Path) -> None:
+def test_benchmark_takes_only_what_is_there(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # a script finds what lies beside it
+    monkeypatch.syspath_prepend(path.parent)
     try:
         importlib.import_module(f"tests.benchmarks.{path.stem}")
     except ModuleNotFoundError as missing:
