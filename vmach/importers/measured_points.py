@@ -49,13 +49,13 @@ class Points:
 
 @dataclass(frozen=True)
 class Holes:
-    """H holes, bores or bosses: centres and diameters in mm, (H, 2) and (H,)."""
+    """H holes, bores or bosses: centres and diameters in mm, (H, 2) and (H,), or no diameters."""
 
     id: Sequence[str] | np.ndarray
     nominal_mm: np.ndarray
     measured_mm: np.ndarray
-    nominal_d_mm: np.ndarray
-    measured_d_mm: np.ndarray
+    nominal_d_mm: np.ndarray | None
+    measured_d_mm: np.ndarray | None
 
 
 def points_file(points: Points, source: SourceFile, told: Sequence[str] = ()) -> Imported:
@@ -82,9 +82,11 @@ def holes_file(
     u_um = questions.number(
         "u_um", "standard uncertainty of a measured position or diameter", unit="um", default=1.0
     )
-    lines = ["id,x,y,mx,my,d,md"]
-    columns = np.column_stack([holes.nominal_mm, holes.measured_mm, holes.nominal_d_mm,
-                               holes.measured_d_mm])  # fmt: skip
+    columns = np.column_stack([holes.nominal_mm, holes.measured_mm])
+    lines = ["id,x,y,mx,my"]
+    if holes.nominal_d_mm is not None and holes.measured_d_mm is not None:
+        columns = np.column_stack([columns, holes.nominal_d_mm, holes.measured_d_mm])
+        lines = ["id,x,y,mx,my,d,md"]
     for name, row in zip(holes.id, columns, strict=True):
         lines.append(f"{_word(name)}," + ",".join(f"{v:.9g}" for v in row))
     file = f"{source.path.stem}_holes.csv"

@@ -3,18 +3,22 @@
 A point whose place is that of a measured point that is not compensated is the centre of the probe's
 ball, and the surface lies a radius below it.
 
-Source: ISO 23952:2020 (QIF 3.0), schemas Features and Results.
+Source: ISO 23952:2020 (QIF 3.0), schemas Features, Results and Units (a length without the
+attribute ``linearUnit`` is in the primary unit).
 """
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from vmach.files.text_file import decimal_number
 from vmach.importers.importer import Imported, Importer
 from vmach.importers.kinds.dmis import features_imported
+from vmach.importers.measured_points import length_factor
 from vmach.importers.questions import Questions
 from vmach.importers.source_file import SourceFile
 from vmach.importers.xml_text import local, xml_root
@@ -33,6 +37,7 @@ class QifResults(Importer):
     rank = 12
     keys = {
         "u_um": "standard uncertainty of a measured hole",
+        "unit": "of lengths, where the file names none",
         "result": "which of several measured parts, counted from 1",
     }
 
@@ -45,9 +50,9 @@ class QifResults(Importer):
         root = xml_root(source)
         if local(root) != "QIFDocument":
             raise source.error(f"is a {local(root)}", line=1, accepted="a QIFDocument")
-        factor = _factor(root, source)
+        units = _Units.of(root, source, questions)
         by_id = {e.get("id"): e for e in root.iter() if e.get("id")}
-        balls, centres = _balls(root), 0
+        balls, centres = _balls(root, units), 0
         found, seen = [], set[str]()
         for element in _result(root, source, questions).iter():
             kind = local(element).removesuffix("FeatureMeasurement")
@@ -63,14 +68,13 @@ class QifResults(Importer):
             label = label if label not in seen else f"{label} {element.get('id')}"
             seen.add(label)
             definition = by_id.get(_text(nominal, "FeatureDefinitionId"))
-            own = _numbers(nominal, definition, kind, source)
-            actual = _numbers(element, element, kind, source, like=own)
+            own = _numbers(nominal, definition, kind, units)
+            actual = _numbers(element, element, kind, units, like=own)
             radius = balls.get(tuple(actual[:3])) if kind == "Point" else None
             if radius is not None:
                 actual[:3] -= radius * own[3:6] / max(float(np.linalg.norm(own[3:6])), 1e-9)
                 centres += 1
-            scale = np.array([factor] * 3 + [1.0] * 3 + [factor] * (len(own) - 6))
-            found.append((label, "POINT" if kind == "Point" else kind, scale * own, scale * actual))
+            found.append((label, "POINT" if kind == "Point" else kind, own, actual))
         if not found:
             raise source.error(
                 "no point, circle or cylinder is both nominal and measured",
@@ -93,28 +97,65 @@ def _result(root: ET.Element, source: SourceFile, questions: Questions) -> ET.El
     return results[int(number) - 1]
 
 
-def _factor(root: ET.Element, source: SourceFile) -> float:
-    """Millimetres per unit of length."""
-    for unit in root.iter():
-        if local(unit) == "LinearUnit":
-            factor = next((e.text for e in unit.iter() if local(e) == "Factor"), "1")
-            value = 1e3 * decimal_number(factor or "")
-            if not 0.0 < value < 1e7:
-                raise source.error(f"LinearUnit with the factor '{factor}'", line=1,
-                                   accepted="metres per unit")  # fmt: skip
-            return value
-    return 1.0
+@dataclass(frozen=True)
+class _Units:
+    """Millimetres per unit of length: of the primary one, and of each that has a name."""
+
+    source: SourceFile
+    questions: Questions
+    stated: float | None
+    named: dict[str, float]
+
+    @classmethod
+    def of(cls, root: ET.Element, source: SourceFile, questions: Questions) -> _Units:
+        """Units that the file declares."""
+        named = {_text(e, "UnitName"): _millimetres(e, source)
+                 for e in root.iter() if local(e) == "LinearUnit"}  # fmt: skip
+        primary = [e for one in root.iter() if local(one) == "PrimaryUnits"
+                   for e in one if local(e) == "LinearUnit"]  # fmt: skip
+        stated = _millimetres(primary[0], source) if primary else None
+        return cls(source, questions, stated, named)
+
+    @cached_property
+    def primary(self) -> float:
+        """Of the primary unit, which is asked where the file does not name it."""
+        if self.stated is not None:
+            return self.stated
+        return length_factor(self.source, self.questions, None)
+
+    def length_mm(self, element: ET.Element) -> np.ndarray:
+        """Numbers of an element, by the unit that it states, else by the primary one."""
+        unit = element.get("linearUnit")
+        if unit is not None and unit not in self.named:
+            raise self.source.error(
+                f"{local(element)} has linearUnit='{unit}'",
+                line=next((k for k, t in enumerate(self.source.lines, 1) if unit in t), 1),
+                accepted=", ".join(self.named) or "a unit that FileUnits declares",
+            )
+        values = [decimal_number(cell) for cell in (element.text or "").split()]
+        return np.array(values) * (self.primary if unit is None else self.named[unit])
 
 
-def _balls(root: ET.Element) -> dict[tuple[float, ...], float]:
-    """Radius of the probe's ball by the single points whose places are those of its centre."""
+def _millimetres(unit: ET.Element, source: SourceFile) -> float:
+    """Millimetres of one ``LinearUnit``; without a factor it is the metre."""
+    factor = next((e.text for e in unit.iter() if local(e) == "Factor"), "1")
+    value = 1e3 * decimal_number(factor or "")
+    if not 0.0 < value < 1e7:
+        raise source.error(f"LinearUnit with the factor '{factor}'", line=1,
+                           accepted="metres per unit")  # fmt: skip
+    return value
+
+
+def _balls(root: ET.Element, units: _Units) -> dict[tuple[float, ...], float]:
+    """Radius of the probe's ball, mm, by the single points that are those of its centre, mm."""
     found: dict[tuple[float, ...], float] = {}
     for one in root.iter():
         if local(one) == "MeasuredPointSet" and _text(one, "Compensated") in ("false", "0"):
-            place = tuple(decimal_number(cell) for cell in _text(one, "Points").split()[:4])
-            radius = decimal_number(_text(one, "ProbeRadius"))
-            if len(place) == 3 and 0.0 < radius < 1e3:
-                found[place] = radius
+            parts = {local(child): units.length_mm(child) for child in one
+                     if local(child) in ("Points", "ProbeRadius")}  # fmt: skip
+            place, radius = (parts.get(name, np.zeros(0)) for name in ("Points", "ProbeRadius"))
+            if len(place) == 3 and len(radius) == 1 and 0.0 < radius[0] < 1e3:
+                found[tuple(place)] = float(radius[0])
     return found
 
 
@@ -129,29 +170,51 @@ def _numbers(
     element: ET.Element,
     sized: ET.Element | None,
     kind: str,
-    source: SourceFile,
+    units: _Units,
     *,
     like: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Place, direction and, of round features, diameter; what is not measured is as nominal."""
-    words = {local(e): (e.text or "").split() for e in element.iter()}
-    place = words.get("Location") or words.get("AxisPoint") or []
-    direction = words.get("Normal") or words.get("Direction") or []
-    size = [] if sized is None or kind == "Point" else _text(sized, "Diameter").split()
-    parts = []
-    for k, (cells, count) in enumerate(((place, 3), (direction, 3), (size, kind != "Point"))):
-        if not cells and like is not None and k:
-            parts.append(like[3 * k : 3 * k + count])
-            continue
-        values = np.array([decimal_number(cell) for cell in cells])
-        if len(values) != count or not np.isfinite(values).all() or (abs(values) > 1e6).any():
-            raise source.error(
-                f"{local(element)} {element.get('id')} has '{' '.join(cells)[:60]}'",
-                line=_line_of(source, element),
-                accepted=f"{count} numbers as its place, direction or diameter",
-            )
-        parts.append(values)
-    return np.concatenate(parts)
+    """Place and diameter in mm, direction between them.
+
+    Parameters
+    ----------
+    element : Element
+    sized : Element or None
+        What states the diameter.
+    kind : str
+    units : _Units
+    like : (N,) array, optional
+        Of a measured feature, its nominal: a direction that was not measured is this one, and a
+        diameter that was not measured is NaN.
+    """
+    parts = {local(e): e for e in element.iter()}
+    place = parts.get("Location", parts.get("AxisPoint"))
+    direction = parts.get("Normal", parts.get("Direction"))
+    found = [_checked(element, place, 3, units)]
+    if direction is None and like is not None:
+        found.append(like[3:6])
+    else:
+        found.append(_checked(element, direction, 3, units, is_length=False))
+    if kind != "Point":
+        size = next((e for e in sized or () if local(e) == "Diameter"), None)
+        is_open = size is None and like is not None
+        found.append(np.array([np.nan]) if is_open else _checked(element, size, 1, units))
+    return np.concatenate(found)
+
+
+def _checked(
+    of: ET.Element, element: ET.Element | None, count: int, units: _Units, *, is_length: bool = True
+) -> np.ndarray:
+    """So many finite numbers of an element, lengths in mm."""
+    cells = [] if element is None else (element.text or "").split()
+    values = np.array([decimal_number(cell) for cell in cells])
+    if len(values) != count or not np.isfinite(values).all() or (abs(values) > 1e6).any():
+        raise units.source.error(
+            f"{local(of)} {of.get('id')} has '{' '.join(cells)[:60]}'",
+            line=_line_of(units.source, of),
+            accepted="a diameter" if count == 1 else "three numbers as its place or direction",
+        )
+    return values if element is None or not is_length else units.length_mm(element)
 
 
 def _line_of(source: SourceFile, element: ET.Element) -> int:

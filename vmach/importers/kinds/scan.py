@@ -18,6 +18,8 @@ __all__ = ["Scan"]
 #: more points than this say no more of a part; evenly chosen ones are kept
 _MOST_POINTS = 20_000
 _TEXT = (".xyz", ".asc", ".pts")
+#: a PLY file says within these what it holds
+_HEADER_BYTES = 100_000
 
 
 class Scan(Importer):
@@ -93,5 +95,13 @@ def _ply(source: SourceFile) -> np.ndarray:
     if points.ndim != 2 or points.shape[1:] != (3,) or not len(points):
         raise source.error("holds no points", line=1, accepted="vertices with x, y and z")
     if not (np.abs(points) <= 1e6).all():
-        raise source.error("holds a coordinate beyond 1e6", line=1, accepted="finite coordinates")
+        raise source.error("holds a coordinate that is no number, or beyond 1e6", line=1,
+                           accepted="finite coordinates of every vertex")  # fmt: skip
+    said = re.search(rb"^element vertex +(\d+)\s*$", source.content[:_HEADER_BYTES], re.MULTILINE)
+    if said and int(said[1]) != len(points):
+        raise source.error(
+            f"says {int(said[1])} vertices and has {len(points)}",
+            line=1,
+            accepted="a file that was copied whole",
+        )
     return points

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 
-import numpy as np
-
 from vmach.importers.component_table import error_section, runs_text
 from vmach.importers.convention import Convention
 from vmach.importers.importer import Imported, Importer, Section
@@ -34,7 +32,8 @@ class Volumetric(Importer):
         return source.is_text and not source.path.is_dir() and _format_of(source) is not None
 
     def read(self, source: SourceFile, questions: Questions) -> Imported:
-        found = read_volumetric_file(source.path, _format_of(source) or "isg-csv")
+        format_name = _format_of(source) or "isg-csv"
+        found = read_volumetric_file(source.path, format_name, text=source.text)
         convention = Convention.of(questions.machine_file)
         if found.tables and "measured_at" not in questions.given:
             questions.given = {**questions.given, "measured_at": _asked_point(questions)}
@@ -43,11 +42,6 @@ class Volumetric(Importer):
         for name, (position, value) in found.tables.items():
             unit = 1e6 if component_of(name)[2] else 1e3
             values = convention.factor(name) * unit * value
-            if not np.max(abs(values)) < 1e4:
-                raise source.error(
-                    f"{name} holds a value of {np.max(abs(value)):g}",
-                    accepted="mm and rad, at most 10 mm and 10 mrad",
-                )
             file = f"errors/{name}.csv"
             files[file] = runs_text(Runs(position, values, values), name)
             sections += error_section(name, file, questions)

@@ -24,10 +24,13 @@ import numpy as np
 
 from vmach.errors import InputError
 from vmach.files.text_file import decimal_number, read_text
-from vmach.machine.component_errors import COMPONENT_NAMES
+from vmach.machine.component_errors import COMPONENT_NAMES, component_of
+from vmach.machine.tables.error_table import LARGEST_MM, LARGEST_RAD
 
 __all__ = ["FORMATS", "VolumetricFile", "read_volumetric_file"]
 
+#: no two axes lean by more than six degrees; the number is in another unit
+_LARGEST_SQUARENESS_RAD = 0.1
 _SQUARENESS = re.compile(r"E?([ABC]0[XYZ])")
 
 
@@ -46,7 +49,9 @@ class VolumetricFile:
     squareness_rad: dict[str, float] = field(default_factory=dict)
 
 
-def read_volumetric_file(path: Path, format_name: str) -> VolumetricFile:
+def read_volumetric_file(
+    path: Path, format_name: str, *, text: str | None = None
+) -> VolumetricFile:
     """Read a volumetric compensation file.
 
     Parameters
@@ -54,6 +59,8 @@ def read_volumetric_file(path: Path, format_name: str) -> VolumetricFile:
     path : Path
     format_name : str
         A key of `FORMATS`.
+    text : str, optional
+        Of the file, where its encoding was looked at already; else it is UTF-8.
 
     Raises
     ------
@@ -61,7 +68,8 @@ def read_volumetric_file(path: Path, format_name: str) -> VolumetricFile:
         No such file, a name that is no component error or squareness, a row that does not fit,
         a dependence on more than the axis' own position.
     """
-    text = read_text(path, what="volumetric file")
+    if text is None:
+        text = read_text(path, what="volumetric file")
     found = VolumetricFile()
     for name, line, pairs in FORMATS[format_name](path, text):
         _store(found, path, line, name=name, pairs=pairs)
@@ -82,6 +90,7 @@ def _store(
 ) -> None:  # fmt: skip
     square = _SQUARENESS.fullmatch(name)
     if square and len(pairs) == 1:
+        _check_size(name, pairs, (_LARGEST_SQUARENESS_RAD, "rad"), path, line)
         found.squareness_rad[f"E{square[1]}"] = pairs[0][1]
         return
     if name not in COMPONENT_NAMES:
@@ -89,6 +98,8 @@ def _store(
             f"'{name}' is no error of a linear axis", file=path, line=line,
             accepted=", ".join(COMPONENT_NAMES) + ", C0Y and the like",
         )  # fmt: skip
+    is_angle = component_of(name)[2]
+    _check_size(name, pairs, (LARGEST_RAD, "rad") if is_angle else (LARGEST_MM, "mm"), path, line)
     table = np.array(sorted(pairs))
     if len(table) < 2 or not np.all(np.diff(table[:, 0]) > 0):
         raise InputError(
@@ -98,6 +109,18 @@ def _store(
     if name in found.tables:
         raise InputError(f"{name} occurs twice", file=path, line=line)
     found.tables[name] = (table[:, 0], table[:, 1])
+
+
+def _check_size(
+    name: str, pairs: list[tuple[float, float]], limit: tuple[float, str], path: Path, line: int
+) -> None:
+    """Refuse what no machine has: such a number is in another unit."""
+    most = max((abs(value) for _, value in pairs), default=0.0)
+    if most > limit[0]:
+        raise InputError(
+            f"{name} holds {most:g} {limit[1]}", file=path, line=line,
+            accepted=f"mm and rad; of {name} at most {limit[0]:g} {limit[1]}",
+        )  # fmt: skip
 
 
 def _lines(text: str) -> Iterator[tuple[int, str]]:
