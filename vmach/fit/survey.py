@@ -228,8 +228,10 @@ class Survey:
 
     @cached_property
     def _results(self) -> set[str]:
-        """Results of all tests, with the axis that each senses."""
-        return {said.format(axis=a) for m, a in self._along_axes for said in m.instrument.results}
+        """Results of all tests, with the axis that each senses, or of whatever axis it turns."""
+        along = {said.format(axis=a) for m, a in self._along_axes for said in m.instrument.results}
+        whole = {said for m in self.measurements for said in m.instrument.results}
+        return along | {said for said in whole if "{axis}" not in said}
 
     @cached_property
     def _defined(self) -> set[str]:

@@ -97,6 +97,7 @@ class _Model:
 
     def __init__(self, job: Job, effects: Sequence[ActingEffect]) -> None:
         self.job, self._effects = job, effects
+        self.machine = job.machine
         self.travel_mm = np.asarray(job.machine.travel_mm)
         self.rapid_mm_per_min = job.machine.motion.rapid_mm_per_min
 

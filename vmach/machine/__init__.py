@@ -6,6 +6,7 @@ from vmach.machine.component_errors import COMPONENT_NAMES, ComponentError
 from vmach.machine.displacement import RigidDisplacement, contributions, displacement
 from vmach.machine.files.machine_file import read_machine
 from vmach.machine.machine import Axis, Machine, Motion
+from vmach.machine.machine_axes import in_machine_axes
 
 __all__ = [
     "COMPONENT_NAMES",
@@ -19,5 +20,6 @@ __all__ = [
     "Variant",
     "contributions",
     "displacement",
+    "in_machine_axes",
     "read_machine",
 ]

@@ -16,7 +16,7 @@ import numpy as np
 from vmach.machine.chain import LINEAR_AXES, ROTARY_AXES
 from vmach.machine.machine import Machine
 
-__all__ = ["BED", "Joint", "Pose", "nominal_joints", "turned"]
+__all__ = ["BED", "Joint", "Pose", "nominal_joints", "tip_on_workpiece", "turned"]
 
 
 @dataclass(frozen=True)
@@ -108,6 +108,26 @@ def nominal_joints(
             carrier = body
         sides.append(joints)
     return sides[0], sides[1]
+
+
+def tip_on_workpiece(
+    machine: Machine, nose_mm: np.ndarray, tool_mm: np.ndarray, rotary_rad: np.ndarray
+) -> np.ndarray:
+    """Nominal place of the tool tip in the frame of the workpiece, (P, 3) mm.
+
+    Parameters
+    ----------
+    machine : Machine
+    nose_mm, rotary_rad : (P, 3) float64
+        Positions of X, Y, Z and angles of A, B, C.
+    tool_mm : (3,) or (P, 3) float64
+        Vector from nose to tip.
+    """
+    tool_side, work_side = nominal_joints(machine, nose_mm, rotary_rad)
+    spindle = tool_side[-1].body if tool_side else BED
+    workpiece = work_side[-1].body if work_side else BED
+    tip = spindle.points_to_bed(np.broadcast_to(tool_mm, nose_mm.shape))
+    return workpiece.points_from_bed(tip)
 
 
 def _turned_pose(carrier: Pose, turn: np.ndarray, centre_mm: np.ndarray) -> Pose:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
     from vmach.job import Job
+    from vmach.machine import Machine
     from vmach.measurements.columns import Columns
     from vmach.measurements.measurement import Measurement
     from vmach.path.preparation import Preparation
@@ -26,6 +27,11 @@ __all__ = ["Curves", "Instrument", "ModelOfTest", "PlannedTest"]
 
 class ModelOfTest(Protocol):
     """The model of the machine that a test is compared with."""
+
+    @property
+    def machine(self) -> Machine:
+        """With its errors; its chain and rotary axes tell where a tool is that follows them."""
+        ...
 
     @property
     def travel_mm(self) -> np.ndarray:

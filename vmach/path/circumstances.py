@@ -14,12 +14,12 @@ import numpy as np
 
 from gcode import WORK_OFFSETS, MoveKind, Moves
 from vmach.job import Job
-from vmach.machine import RigidDisplacement, Variant
+from vmach.machine import RigidDisplacement, Variant, in_machine_axes
 from vmach.machine.displacement import contributions
 from vmach.path.blank_depth import blank_depth_mm
 from vmach.path.dynamics import corner_before, curvature_per_mm
 from vmach.path.engagement import Engagement, engagement
-from vmach.path.levers import levers, tilts_of_axes_rad
+from vmach.path.levers import levers, location_levers, tilts_of_axes_rad
 from vmach.path.motion_history import MotionHistory
 from vmach.path.toolpath import PathStates
 
@@ -69,6 +69,11 @@ class Circumstances:
     def nose_mm(self) -> np.ndarray:
         """Axis positions, (P, 3): spindle nose in machine coordinates, zero at home."""
         return self.states.nose_mm
+
+    @property
+    def rotary_rad(self) -> np.ndarray:
+        """Angles of A, B and C, (P, 3)."""
+        return self.states.rotary_rad
 
     @property
     def tool_mm(self) -> np.ndarray:
@@ -328,15 +333,28 @@ class Circumstances:
 
     @cached_property
     def _levers(self) -> dict[str, RigidDisplacement]:
-        return levers(self.job.machine, self.nose_mm, self.tool_mm, self.variant)
+        return levers(
+            self.job.machine, self.nose_mm, self.tool_mm, self.variant, rotary_rad=self.rotary_rad
+        )
+
+    def location_lever(self, name: str) -> RigidDisplacement:
+        """Displacement of the tool by one unit (mm or rad) of a location error such as ``EX0C``."""
+        return self._location_levers[name]
+
+    @cached_property
+    def _location_levers(self) -> dict[str, RigidDisplacement]:
+        return location_levers(self.job.machine, self.nose_mm, self.tool_mm, self.rotary_rad)
 
     @cached_property
     def of_each_error(self) -> dict[str, RigidDisplacement]:
         """Displacement of the tool by each error of the machine file, by its ISO 230-1 symbol."""
         machine = self.job.machine
         direction = self.states.direction if machine.separate_directions else None
-        own = contributions(machine, self.nose_mm, self.tool_mm, self.variant, direction=direction)
-        return dict(own)
+        place = self.nose_mm, self.rotary_rad
+        own = contributions(
+            machine, place[0], self.tool_mm, self.variant, direction=direction, rotary_rad=place[1]
+        )
+        return {name: in_machine_axes(machine, moved, *place) for name, moved in own}
 
     @cached_property
     def axis_tilt_rad(self) -> np.ndarray:

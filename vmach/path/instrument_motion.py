@@ -22,10 +22,16 @@ class MotionRecord:
     """Moves written down one after the other; times in s from the cold start."""
 
     def __init__(
-        self, start_mm: np.ndarray, *, tool_length_mm: float, start_s: float = 0.0
+        self,
+        start_mm: np.ndarray,
+        *,
+        tool_length_mm: float,
+        start_s: float = 0.0,
+        rotary_deg: np.ndarray | None = None,
     ) -> None:
         self._rows: list[dict] = []
         self._nose = np.asarray(start_mm, dtype=float)
+        self._rotary = np.zeros(3) if rotary_deg is None else rotary_deg
         self._time = start_s
         self._length = tool_length_mm
 
@@ -38,9 +44,11 @@ class MotionRecord:
         """The axes stand still; returns the move's index."""
         return self._add(MoveKind.DWELL, self._nose, until_s, rpm=rpm)
 
-    def line(self, end_mm: np.ndarray, *, until_s: float) -> int:
-        """Straight to `end_mm`, (3,); returns the move's index."""
-        return self._add(MoveKind.LINE, end_mm, until_s)
+    def line(
+        self, end_mm: np.ndarray, *, until_s: float, rotary_deg: np.ndarray | None = None
+    ) -> int:
+        """Straight to `end_mm` and to angles of A, B, C, (3,) each; returns the move's index."""
+        return self._add(MoveKind.LINE, end_mm, until_s, rotary_deg=rotary_deg)
 
     def arc(
         self,
@@ -56,8 +64,10 @@ class MotionRecord:
             MoveKind.ARC, end_mm, until_s, centre_mm=centre_mm, axis=axis, sweep_rad=sweep_rad
         )
 
-    def _add(self, kind, end_mm, until_s, *, rpm=0.0, centre_mm=None, axis=None, sweep_rad=0.0):
+    def _add(self, kind, end_mm, until_s, *, rpm=0.0, centre_mm=None, axis=None, sweep_rad=0.0,
+             rotary_deg=None):  # fmt: skip
         until_s = max(until_s, self._time + _QUICKEST_S)
+        rotary_deg = self._rotary if rotary_deg is None else rotary_deg
         end = np.asarray(end_mm, dtype=float)
         self._rows.append(
             {
@@ -67,12 +77,14 @@ class MotionRecord:
                 "centre_mm": np.zeros(3) if centre_mm is None else centre_mm,
                 "axis": np.zeros(3) if axis is None else axis,
                 "sweep_rad": sweep_rad,
+                "rotary_start_deg": self._rotary,
+                "rotary_end_deg": rotary_deg,
                 "spindle_rpm": rpm,
                 "start_s": self._time,
                 "duration_s": until_s - self._time,
             }
         )
-        self._nose, self._time = end, until_s
+        self._nose, self._time, self._rotary = end, until_s, rotary_deg
         return len(self._rows) - 1
 
     def states(self, move: np.ndarray, parameter: np.ndarray) -> PathStates:
@@ -87,8 +99,6 @@ class MotionRecord:
         moves = Moves(
             **{name: column(name) for name in rows[0]},
             line=np.arange(1, count + 1),
-            rotary_start_deg=np.zeros((count, 3)),
-            rotary_end_deg=np.zeros((count, 3)),
             feed_mm_per_min=np.zeros(count),
             tool=np.ones(count),
             tool_offset_mm=offset,
@@ -111,6 +121,7 @@ def stop_and_go(
     side: np.ndarray,
     tool_length_mm: float,
     rpm: np.ndarray | None = None,
+    rotary_deg: np.ndarray | None = None,
 ) -> PathStates:
     """States at positions that the machine drives to and stands at while the reading is taken.
 
@@ -125,9 +136,12 @@ def stop_and_go(
     tool_length_mm : float
     rpm : (P,) float64, optional
         Spindle speed at the reading and until the next one; it stands where left out.
+    rotary_deg : (P, 3) float64, optional
+        Angles of A, B and C at the readings, which turn on the way; zero where left out.
     """
     rpm = np.zeros(len(time_s)) if rpm is None else rpm
-    record = MotionRecord(nose_mm[0], tool_length_mm=tool_length_mm)
+    angle = np.zeros_like(nose_mm) if rotary_deg is None else rotary_deg
+    record = MotionRecord(nose_mm[0], tool_length_mm=tool_length_mm, rotary_deg=angle[0])
     last_side = np.zeros(3)
     stops = np.empty(len(time_s), dtype=np.int64)
     for k, (nose, wanted) in enumerate(zip(nose_mm, side, strict=True)):
@@ -139,8 +153,8 @@ def stop_and_go(
         if wrong.any():
             around = nose - np.where(wrong, wanted, 0.0) * _OVERRUN_MM
             record.line(around, until_s=begin + 0.8 * (arrival - begin))
-        if wrong.any() or way.any():
-            record.line(nose, until_s=arrival)
+        if wrong.any() or way.any() or (k and (angle[k] != angle[k - 1]).any()):
+            record.line(nose, until_s=arrival, rotary_deg=angle[k])
         last_side = np.where(wrong, wanted, natural)
         leave = time_s[k + 1] if k + 1 < len(time_s) else arrival + 1.0
         still = not np.any(nose_mm[min(k + 1, len(nose_mm) - 1)] != nose)

@@ -11,11 +11,18 @@ from functools import lru_cache
 
 import numpy as np
 
-from vmach.machine import COMPONENT_NAMES, ComponentError, Machine, RigidDisplacement, Variant
+from vmach.machine import (
+    COMPONENT_NAMES,
+    ComponentError,
+    Machine,
+    RigidDisplacement,
+    Variant,
+    in_machine_axes,
+)
 from vmach.machine.component_errors import component_of
 from vmach.machine.displacement import contributions
 
-__all__ = ["levers", "tilts_of_axes_rad"]
+__all__ = ["levers", "location_levers", "tilts_of_axes_rad"]
 
 _EVERYWHERE_MM = np.array([-1e6, 1e6])
 
@@ -25,6 +32,8 @@ def levers(
     nose_mm: np.ndarray,
     tool_mm: np.ndarray,
     variant: Variant = Variant.ABBE,
+    *,
+    rotary_rad: np.ndarray | None = None,
 ) -> dict[str, RigidDisplacement]:
     """Displacement of the tool by one unit (mm or rad) of each component error everywhere.
 
@@ -35,6 +44,8 @@ def levers(
         Axis positions, and the vector from nose to tip.
     variant : Variant
         From where the arms of angular errors count.
+    rotary_rad : (P, 3) float64, optional
+        Angles of A, B and C; zero without them.
     """
     units = {}
     for name in COMPONENT_NAMES:
@@ -43,7 +54,36 @@ def levers(
         at = None if known is None else known.measured_at_mm
         units[name] = _unit(name, (0.0, 0.0, 0.0) if at is None else tuple(at.tolist()))
     changed = replace(machine, components=units)
-    return dict(contributions(changed, nose_mm, tool_mm, variant))
+    angles = np.zeros_like(nose_mm) if rotary_rad is None else rotary_rad
+    own = contributions(changed, nose_mm, tool_mm, variant, rotary_rad=angles)
+    return {name: in_machine_axes(machine, moved, nose_mm, angles) for name, moved in own}
+
+
+def location_levers(
+    machine: Machine, nose_mm: np.ndarray, tool_mm: np.ndarray, rotary_rad: np.ndarray
+) -> dict[str, RigidDisplacement]:
+    """Displacement of the tool by one unit (mm or rad) of each location error of a rotary axis.
+
+    Parameters
+    ----------
+    machine : Machine
+    nose_mm, tool_mm : (P, 3) float64
+        Axis positions, and the vector from nose to tip.
+    rotary_rad : (P, 3) float64
+        Angles of A, B and C.
+
+    Returns
+    -------
+    dict of ``EX0C`` and the like to RigidDisplacement
+        In machine axes.
+    """
+    unit = {
+        name: replace(axis, components={}, location_mm=np.ones(3), location_rad=np.ones(3))
+        for name, axis in machine.rotary.items()
+    }
+    changed = replace(machine, components={}, squareness_rad=np.zeros((3, 3)), rotary=unit)
+    own = contributions(changed, nose_mm, tool_mm, Variant.HTM, rotary_rad=rotary_rad)
+    return {name: in_machine_axes(machine, moved, nose_mm, rotary_rad) for name, moved in own}
 
 
 @lru_cache(maxsize=4 * len(COMPONENT_NAMES))

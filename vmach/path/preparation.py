@@ -229,8 +229,8 @@ def _check_no_rotary_motion(moves: Moves, source: Path) -> None:
             file=source,
             line=int(moves.line[row]),
             accepted="three-axis motion: A, B and C stay at 0",
-            hint="parts are cut with three axes; the errors of rotary axes are in the machine "
-            "model ('vmach accuracy')",
+            hint="parts are cut with three axes; errors of rotary axes show in an R-test, "
+            'kind = "r_test" of [[measurements]]',
         )
 
 

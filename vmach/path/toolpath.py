@@ -94,6 +94,13 @@ class PathStates:
         length = self.tool_lengths_mm[self.tool]
         return np.column_stack([np.zeros((len(self), 2)), -length])
 
+    @cached_property
+    def rotary_rad(self) -> np.ndarray:
+        """Angles of A, B and C, (P, 3)."""
+        start, end = self.moves.rotary_start_deg, self.moves.rotary_end_deg
+        turned_deg = end[self.move] - start[self.move]
+        return np.radians(start[self.move] + self.parameter[:, None] * turned_deg)
+
     @property
     def tool(self) -> np.ndarray:
         """Tool number, (P,) int32."""

@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from stock import Material, Sweeps
-from vmach.machine import Machine, RigidDisplacement, Variant, displacement
+from vmach.machine import Machine, RigidDisplacement, Variant, displacement, in_machine_axes
 from vmach.path.preparation import Preparation
 from vmach.path.toolpath import PathStates, Toolpath
 from vmach.path.touched_zero import relative_to_zero
@@ -100,9 +100,13 @@ def displacement_of(
 def of_machine(
     machine: Machine, states: PathStates, variant: Variant, effects: Sequence[ActingEffect]
 ) -> RigidDisplacement:
-    """The same as the machine makes it, whatever zero the job counts from."""
+    """The same as the machine makes it, whatever zero the job counts from; in its axes."""
     direction = states.direction if machine.separate_directions else None
-    total = displacement(machine, states.nose_mm, states.tool_mm, variant, direction=direction)
+    place = states.nose_mm, states.rotary_rad
+    total = displacement(
+        machine, place[0], states.tool_mm, variant, direction=direction, rotary_rad=place[1]
+    )
+    total = in_machine_axes(machine, total, *place)
     for effect in effects:
         total = total + effect.displacement(states)
     return total
