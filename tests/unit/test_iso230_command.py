@@ -174,3 +174,96 @@ def test_a_straightness_is_told_without_its_slope(slope, tmp_path, capsys):
         assert notes[0]["size"] == pytest.approx(20.0)
         assert "the means vary by 4.00 um" in notes[0]["sentence"]
         assert table["figures"]["E"] > 4.0
+
+
+ROTARY = "run,position_deg,approach,deviation_arcsec\n"
+
+
+def rotary_runs(random, targets_deg, runs=5):
+    """Readings in arcsec by target and direction, one row a run, (runs, K) each."""
+    shape = runs, len(targets_deg)
+    wave = 3.0 * np.sin(np.radians(targets_deg))
+    return wave + random.normal(0, 0.5, shape), wave - 1.2 + random.normal(0, 0.5, shape)
+
+
+def test_a_rotary_axis_by_the_formulas_written_out_here(tmp_path, capsys):
+    """ISO 230-2:2014 covers axes up to 360 degrees; 1 arcsec is pi/648000 rad."""
+    targets = np.arange(0.0, 331.0, 30.0)
+    forward, backward = rotary_runs(np.random.default_rng(2), targets)
+    rows = [
+        f"{k + 1},{x},{sign},{readings[k, i]:.6f}"
+        for sign, readings in ((1, forward), (-1, backward))
+        for k in range(5)
+        for i, x in enumerate(targets)
+    ]
+    path = tmp_path / "ecc.csv"
+    path.write_text(ROTARY + "\n".join(rows))
+    iso230(path, as_json=True, out=tmp_path / "out")
+    table = json.loads(capsys.readouterr().out)["tables"]["ecc"]
+    means, s = (np.stack([f(x) for x in (forward, backward)])
+                for f in (lambda x: x.mean(axis=0), lambda x: x.std(axis=0, ddof=1)))  # fmt: skip
+    reversal = means[0] - means[1]
+    urad = 1e6 * np.pi / 648000
+    wanted = {
+        "A": (means + 2 * s).max() - (means - 2 * s).min(),
+        "R": max((2 * s.sum(axis=0) + abs(reversal)).max(), 4 * s.max()),
+        "E": np.ptp(means),
+        "M": np.ptp(means.mean(axis=0)),
+        "B": abs(reversal).max(),
+    }
+    assert table["unit"] == "urad"
+    assert table["length_mm"] is None and table["range_deg"] == pytest.approx(330.0)
+    for name, value in wanted.items():
+        assert table["figures"][name] == pytest.approx(urad * value, abs=1e-3)
+    assert table["notes"] == ["no uncertainty is stated: the budget covers positioning only"]
+    assert "330°" in (tmp_path / "out/iso230.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("range_deg", "least"), [(90, 3), (180, 5), (360, 8)])
+def test_targets_of_a_rotary_axis_go_by_its_range(range_deg, least, tmp_path, capsys):
+    path = tmp_path / "ecc.csv"
+    for count in (least - 1, least):
+        rows = [f"{x},1,0.5,2,1" for x in np.linspace(0, range_deg, count)]
+        path.write_text(RUNS.partition("\n")[0].replace("_mm", "_deg") + "\n" + "\n".join(rows))
+        iso230(path, unit="arcsec", as_json=True)
+        notes = json.loads(capsys.readouterr().out)["tables"]["ecc"]["notes"]
+        assert any(f"at least {least} over" in note for note in notes) is (count < least)
+
+
+def test_readings_over_angles_state_their_unit(tmp_path):
+    path = tmp_path / "ecc.csv"
+    path.write_text("position_deg,forward,backward\n0,1,2\n90,3,4\n")
+    with pytest.raises(InputError, match=r"ecc.csv:1: readings over angles, without a unit"):
+        iso230(path)
+
+
+def test_the_unit_of_the_columns_is_that_of_the_readings(tmp_path, capsys):
+    path = tmp_path / "ebx.csv"
+    path.write_text("position_mm,forward_arcsec,backward_arcsec\n0,1,1\n100,3,4\n")
+    iso230(path, as_json=True)
+    table = json.loads(capsys.readouterr().out)["tables"]["ebx"]
+    assert table["unit"] == "urad"
+    assert table["figures"]["E"] == pytest.approx(3 * 4.8481368, abs=1e-3)
+
+
+def test_tables_of_rotary_axes_of_a_machine(tmp_path, capsys):
+    write_job(tmp_path)
+    text = (tmp_path / "machine.toml").read_text().replace("b X' w", "b X' C' w")
+    text += "[axes.C]\ntravel_deg = [-360, 360]\ncentre_mm = [0, 0, -200]\n"
+    (tmp_path / "machine.toml").write_text(text + '[errors.ECC]\ntable = "ecc.csv"\n')
+    (tmp_path / "ecc.csv").write_text(
+        RUNS.partition("\n")[0].replace("_mm", "_deg") + "\n0,1,0,3,2\n90,5,4,5,6\n"
+    )
+    iso230(tmp_path / "machine.toml", as_json=True)
+    table = json.loads(capsys.readouterr().out)["tables"]["ECC"]
+    assert table["figures"]["E"] == pytest.approx(4.0) and table["range_deg"] == 90.0
+
+
+def test_runs_of_one_direction_are_told_where_to_go(tmp_path, capsys):
+    path = tmp_path / "x.csv"
+    path.write_text("run,position_mm,approach,deviation\n1,0,1,1\n2,0,1,3\n1,9,1,5\n2,9,1,5\n")
+    with pytest.raises(InputError, match=r"no backward reading; .*error_1, error_2"):
+        iso230(path)
+    path.write_text("position_mm,error_1,error_2\n0,1,3\n9,5,5\n")
+    iso230(path, as_json=True)
+    assert json.loads(capsys.readouterr().out)["tables"]["x"]["figures"]["E"] == 3.0

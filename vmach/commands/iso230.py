@@ -27,7 +27,9 @@ def iso230(
     data: Annotated[
         Path, typer.Argument(metavar="DATA", help="CSV of bidirectional runs, or a machine.toml")
     ],
-    unit: Annotated[str, typer.Option(help="of a CSV's readings: um, urad, arcsec ...")] = "um",
+    unit: Annotated[
+        str | None, typer.Option(help="of a CSV's readings: um, urad, arcsec ...  [default: um]")
+    ] = None,
     budget: Annotated[
         Path | None, typer.Option(help="TOML with the uncertainty contributors of the laser")
     ] = None,
@@ -46,7 +48,7 @@ def iso230(
     contributors = read_budget(budget)
     axes = tuple(evaluated_tables(data, unit))
     if not axes:
-        raise InputError("the machine has no error tables of linear axes", file=data)
+        raise InputError("the machine has no error tables", file=data)
     if out is not None:
         names = [_FIGURES, _PAGE, *(f"{axis.name}.png" for axis in axes)]
         check_folder(out, names, inputs=[*_files_of(data), *([budget] if budget else [])])
@@ -95,8 +97,9 @@ def _write(
         for count, axis in enumerate(axes):
             progress("draw", count, len(axes))
             picture = draw_evaluation(
-                axis.result, title=f"{axis.name}, ISO 230-2", unit=axis.unit, factor=axis.factor
-            )
+                axis.result, title=f"{axis.name}, ISO 230-2", unit=axis.unit, factor=axis.factor,
+                position_unit=axis.position_unit,
+            )  # fmt: skip
             (folder / f"{axis.name}.png").write_bytes(picture)
         (folder / _PAGE).write_text(page, encoding="utf-8")
         (folder / _FIGURES).write_text(json.dumps(report, indent=1) + "\n")

@@ -19,7 +19,9 @@ __all__ = ["draw_evaluation"]
 _FORWARD, _BACKWARD, _MEAN = "#1f5fa8", "#c44e24", "#555555"
 
 
-def draw_evaluation(result: Evaluation, *, title: str, unit: str, factor: float) -> bytes:
+def draw_evaluation(
+    result: Evaluation, *, title: str, unit: str, factor: float, position_unit: str = "mm"
+) -> bytes:
     """Draw the diagram of one axis.
 
     Parameters
@@ -30,6 +32,8 @@ def draw_evaluation(result: Evaluation, *, title: str, unit: str, factor: float)
         Of the vertical axis.
     factor : float
         From the unit of the evaluation to `unit`.
+    position_unit : str
+        Of the target positions.
 
     Returns
     -------
@@ -56,7 +60,7 @@ def draw_evaluation(result: Evaluation, *, title: str, unit: str, factor: float)
     middle = 0.5 * (result.mean_forward + result.mean_backward)
     axes.plot(x, factor * middle, "--", lw=1.0, color=_MEAN, label="mean of both")
     _mark_ranges(axes, result, factor)
-    axes.set(title=title, xlabel="target position, mm", ylabel=f"deviation, {unit}")
+    axes.set(title=title, xlabel=f"target position, {position_unit}", ylabel=f"deviation, {unit}")
     axes.text(
         1.01, 0.5, _figures_text(result, unit, factor), transform=axes.transAxes, va="center",
         family="monospace", fontsize=9,

@@ -15,17 +15,26 @@ import numpy as np
 from vmach.base.note import Kind, Note, note_records
 from vmach.base.units import um_from_mm
 from vmach.errors import InputError
+from vmach.files.text_file import read_text
 from vmach.iso230.evaluation import Evaluation, evaluate
 from vmach.iso230.uncertainty import Budget, expanded, parameter_uncertainties
-from vmach.machine.component_errors import ComponentError
-from vmach.machine.files.machine_file import read_machine
-from vmach.machine.tables.error_table import MM_PER, RAD_PER, ErrorTable, read_error_table
+from vmach.machine import Machine, read_machine
+from vmach.machine.chain import ROTARY_AXES
+from vmach.machine.tables.error_table import (
+    MM_PER,
+    POSITION_MM_PER,
+    POSITION_RAD_PER,
+    RAD_PER,
+    read_error_table,
+)
 from vmach.machine.tables.runs import Runs
 
 __all__ = ["EvaluatedTable", "evaluated_tables", "iso230_figures"]
 
 #: a slope below this is what rounding leaves of none, um/m
 _FLAT_UM_PER_M = 0.1
+#: largest range in degrees, and the fewest targets of a rotary axis; eight beyond (ISO 230-2:2014)
+_ROTARY_TARGETS = ((90.0, 3), (180.0, 5))
 
 
 @dataclass(frozen=True)
@@ -36,6 +45,8 @@ class EvaluatedTable:
     is_angle: bool
     is_positioning: bool
     result: Evaluation
+    is_rotary: bool = False
+    """Whether the positions are angles, in degrees."""
 
     @property
     def unit(self) -> str:
@@ -46,13 +57,24 @@ class EvaluatedTable:
         return 1e6 if self.is_angle else 1e3
 
     @property
-    def length_mm(self) -> float:
-        position_mm = self.result.runs.position_mm
-        return float(position_mm[-1] - position_mm[0])
+    def position_unit(self) -> str:
+        return "deg" if self.is_rotary else "mm"
+
+    @property
+    def extent(self) -> float:
+        """From the first target to the last, in `position_unit`."""
+        position = self.result.runs.position_mm
+        return float(position[-1] - position[0])
 
 
-def evaluated_tables(data: Path, unit: str) -> Iterator[EvaluatedTable]:
-    """The table of a CSV, or all tables of a machine.
+def evaluated_tables(data: Path, unit: str | None) -> Iterator[EvaluatedTable]:
+    """The table of a CSV, or all tables of a machine, rotary axes behind the linear ones.
+
+    Parameters
+    ----------
+    data : Path
+    unit : str or None
+        Of readings whose columns name none; um without it.
 
     Raises
     ------
@@ -60,24 +82,55 @@ def evaluated_tables(data: Path, unit: str) -> Iterator[EvaluatedTable]:
         If `data` cannot be read or evaluated.
     """
     if data.suffix == ".toml":
-        for name, component in read_machine(data).components.items():
-            runs = component.runs or _means(component.position_mm, component)
-            yield EvaluatedTable(name, component.is_angle, name[1] == name[2], evaluate(runs))
+        yield from _of_machine(read_machine(data))
         return
+    heading = _heading(data)
+    is_rotary = not {f"position_{own}" for own in POSITION_RAD_PER}.isdisjoint(heading)
+    unit = unit or _unit_of(heading, data, is_rotary=is_rotary)
     if unit not in MM_PER and unit not in RAD_PER:
         raise InputError(f"--unit {unit}", accepted=", ".join((*MM_PER, *RAD_PER)))
     is_angle = unit not in MM_PER
-    table = read_error_table(data, RAD_PER if is_angle else MM_PER, unit)
+    units = RAD_PER if is_angle else MM_PER
+    positions = POSITION_RAD_PER if is_rotary else POSITION_MM_PER
+    table = read_error_table(data, units, unit, positions=positions)
     try:
-        result = evaluate(table.runs or _means(table.position, table))
+        result = evaluate(table.in_degrees if is_rotary else table.as_runs)
     except InputError as error:
         raise InputError(error.what, file=data, accepted=error.accepted) from None
-    yield EvaluatedTable(data.stem, is_angle, not is_angle, result)
+    yield EvaluatedTable(data.stem, is_angle, is_angle == is_rotary, result, is_rotary)
 
 
-def _means(position_mm: np.ndarray, table: ComponentError | ErrorTable) -> Runs:
-    """A table of means as one run: enough for E, M and B."""
-    return Runs(position_mm, table.forward, table.backward)
+def _of_machine(machine: Machine) -> Iterator[EvaluatedTable]:
+    for name, component in machine.components.items():
+        means = Runs(component.position_mm, component.forward, component.backward)
+        result = evaluate(component.runs or means)
+        yield EvaluatedTable(name, component.is_angle, name[1] == name[2], result)
+    for axis in machine.rotary.values():
+        for name, error in axis.components.items():
+            if error.runs is not None:
+                is_angle = name[1] in ROTARY_AXES
+                yield EvaluatedTable(name, is_angle, name[1] == name[2], evaluate(error.runs), True)
+
+
+def _heading(data: Path) -> list[str]:
+    """Names of the columns of a table."""
+    lines = read_text(data, what="error table").splitlines()
+    stated = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
+    return [cell.strip() for cell in stated[0].split(",")] if stated else []
+
+
+def _unit_of(heading: list[str], data: Path, *, is_rotary: bool) -> str:
+    """Of the readings, as their columns name it; um of a linear axis where they do not."""
+    for name in heading:
+        unit = name.rpartition("_")[2]
+        if not name.startswith("position_") and (unit in MM_PER or unit in RAD_PER):
+            return unit
+    if is_rotary:
+        raise InputError(
+            "readings over angles, without a unit", file=data, line=1,
+            accepted="columns such as forward_1_arcsec, or --unit arcsec",
+        )  # fmt: skip
+    return "um"
 
 
 def iso230_figures(
@@ -109,13 +162,26 @@ def _table_figures(axis: EvaluatedTable, budget: Budget) -> dict[str, Any]:
     notes = list(_notes(axis, runs))
     entry: dict[str, Any] = {
         "unit": axis.unit, "runs": runs, "targets": len(result.runs.position_mm),
-        "length_mm": axis.length_mm, "figures": figures,
+        "length_mm": None if axis.is_rotary else axis.extent,
+        "range_deg": axis.extent if axis.is_rotary else None, "figures": figures,
         "notes": [str(note) for note in notes], "note_records": note_records(notes),
     }  # fmt: skip
-    if axis.is_positioning and axis.result.A is not None:
-        standard = parameter_uncertainties(budget, axis.length_mm, runs)
+    if axis.is_positioning and not axis.is_rotary and axis.result.A is not None:
+        standard = parameter_uncertainties(budget, axis.extent, runs)
         entry["U_k2"] = {k: round(expanded(u) * axis.factor, 2) for k, u in standard.items()}
     return entry
+
+
+def _asked_targets(axis: EvaluatedTable) -> tuple[float, str]:
+    """Fewest targets of the standard, and the words for it.
+
+    Source: ISO 230-2:2014, 5.3: linear axes up to and beyond 2 m, rotary axes by their range.
+    """
+    if axis.is_rotary:
+        least = next((n for range_deg, n in _ROTARY_TARGETS if axis.extent <= range_deg), 8)
+        return least, f"at least {least} over {axis.extent:g} degrees"
+    of_length = max(5.0, 5.0 * axis.extent / 1000.0) if axis.extent <= 2000.0 else 0.0
+    return of_length, "at least five, and five a metre"
 
 
 def _slope_note(axis: EvaluatedTable) -> Iterator[Note]:
@@ -148,11 +214,12 @@ def _notes(axis: EvaluatedTable, runs: int) -> Iterator[Note]:
         said = "the same values for both directions: B says nothing, the rest is of one direction"
         yield Note.plain(Kind.DIRECTION, said, 0.0, axis.unit, place=axis.name)
     targets = len(axis.result.runs.position_mm)
-    if axis.length_mm <= 2000.0 and targets < max(5, 5 * axis.length_mm / 1000.0):
-        said = f"{targets} targets; the standard asks for at least five, and five a metre"
+    least, asked = _asked_targets(axis)
+    if targets < least:
+        said = f"{targets} targets; the standard asks for {asked}"
         yield Note.plain(Kind.TARGETS, said, targets, "1", place=axis.name)
-    if not axis.is_positioning and not axis.is_angle:
+    if not axis.is_positioning and not axis.is_angle and not axis.is_rotary:
         yield from _slope_note(axis)
-    if not axis.is_positioning:
+    if not axis.is_positioning or axis.is_rotary:
         said = "no uncertainty is stated: the budget covers positioning only"
         yield Note.plain(Kind.BUDGET, said, place=axis.name)

@@ -15,6 +15,7 @@ import numpy as np
 from vmach.errors import InputError
 from vmach.machine.chain import ROTARY_AXES
 from vmach.machine.tables.interpolation import LINEAR, Extrapolation, Interpolation, PiecewiseCubic
+from vmach.machine.tables.runs import Runs
 
 __all__ = ["RotaryAxis", "RotaryError", "location_of"]
 
@@ -34,6 +35,8 @@ class RotaryError:
         Angles, increasing.
     value : (K,) float64
         Mean of both directions, mm or rad; displacements hold at the axis' centre.
+    runs : Runs, optional
+        What was read, in both directions, over the angle in degrees; for ISO 230-2 alone.
     """
 
     name: str
@@ -41,6 +44,7 @@ class RotaryError:
     value: np.ndarray
     interpolation: Interpolation = LINEAR
     extrapolation: Extrapolation = Extrapolation.REFUSE
+    runs: Runs | None = None
 
     @cached_property
     def curve(self) -> PiecewiseCubic:

@@ -141,7 +141,10 @@ class _Iso230Table(Output):
     """Of `figures` and `U_k2`."""
     runs: int
     targets: int
-    length_mm: float
+    length_mm: float | None
+    """From the first target to the last; null for a rotary axis."""
+    range_deg: float | None
+    """The same of a rotary axis; null for a linear one."""
     figures: dict[str, float | None]
     """Parameters of the standard by their letters, in `unit`; null where runs are missing."""
     notes: list[str]

@@ -108,7 +108,7 @@ def _diagram(axis: EvaluatedTable) -> Markup:
     margin = 0.06 * max(float(np.ptp(every)), 1e-6)
     low, high = float(np.min(every)) - margin, float(np.max(every)) + margin
     plot = Plot(Frame((float(x.min()), float(x.max())), (low, high), 760.0, 300.0, top=20.0))
-    plot.x_axis("target position, mm", zero="grid")
+    plot.x_axis(f"target position, {axis.position_unit}", zero="grid")
     plot.y_axis(f"deviation, {with_micro_sign(axis.unit)}")
     for name, readings, mean, s in sides:
         if s is not None:

@@ -15,12 +15,16 @@ from vmach.errors import InputError
 from vmach.machine.chain import ROTARY_AXES
 from vmach.machine.files.machine_schema import CROSS_VALIDATION, MachineSchema, TableEntry
 from vmach.machine.rotary import RotaryAxis, RotaryError, location_of
-from vmach.machine.tables.error_table import MM_PER, RAD_PER, read_error_table
+from vmach.machine.tables.error_table import (
+    MM_PER,
+    POSITION_RAD_PER,
+    RAD_PER,
+    read_error_table,
+)
 from vmach.machine.tables.interpolation import Extrapolation, Interpolation, Method
 
 __all__ = ["is_rotary_error", "read_rotary_axes"]
 
-_RAD_PER_POSITION = {"deg": math.pi / 180.0, "rad": 1.0}
 _AT_CENTRE = (
     "its displacements hold at centre_mm",
     "no measuring point, no set_up, no slope_removed",
@@ -131,11 +135,12 @@ def _component(
         raise fail([*keys, "unit"], f"unit '{unit}' of {name}", ", ".join(units))
     if not (folder / entry.table).exists():
         raise fail([*keys, "table"], f"table = '{entry.table}': no such file")
-    table = read_error_table(folder / entry.table, units, unit, positions=_RAD_PER_POSITION)
+    table = read_error_table(folder / entry.table, units, unit, positions=POSITION_RAD_PER)
     return RotaryError(
         name,
         table.position,
         0.5 * (table.forward + table.backward),
         Interpolation(Method(method)),
         entry.extrapolation or data.tables.extrapolation or Extrapolation.REFUSE,
+        table.in_degrees,
     )

@@ -30,7 +30,15 @@ from vmach.errors import InputError
 from vmach.files.text_file import column_hint, csv_rows, decimal_number, read_text
 from vmach.machine.tables.runs import Runs
 
-__all__ = ["LARGEST_MM", "LARGEST_RAD", "MM_PER", "RAD_PER", "ErrorTable", "read_error_table"]
+__all__ = [
+    "LARGEST_MM",
+    "LARGEST_RAD",
+    "MM_PER",
+    "POSITION_RAD_PER",
+    "RAD_PER",
+    "ErrorTable",
+    "read_error_table",
+]
 
 #: no axis of a machine tool errs by more; the number is in another unit
 LARGEST_MM, LARGEST_RAD = 1.0, 0.01
@@ -46,6 +54,7 @@ _ACCEPTED = (
     "position_{0}, forward_1, backward_1, forward_2, ... | run, position_{0}, approach, deviation"
 )
 _BOTH_HINT = "readings of one direction, or means of both, go into a column error"
+POSITION_RAD_PER = {"deg": math.pi / 180.0, "rad": 1.0}
 POSITION_MM_PER = {unit: MM_PER[unit] for unit in ("mm", "m", "inch")}
 _SAME_POSITION = 1e-3  #: in the unit of the file
 
@@ -69,6 +78,17 @@ class ErrorTable:
     backward: np.ndarray
     runs: Runs | None
     notes: tuple[Note, ...]
+
+    @property
+    def as_runs(self) -> Runs:
+        """The single runs; of a table of means one run, which is enough for E, M and B."""
+        return self.runs or Runs(self.position, self.forward, self.backward)
+
+    @property
+    def in_degrees(self) -> Runs:
+        """The same of a rotary axis, over degrees."""
+        own = self.as_runs
+        return Runs(np.degrees(own.position_mm), own.forward, own.backward)
 
 
 def read_error_table(
@@ -269,9 +289,11 @@ def _filled(
     count = known.sum(axis=0)
     if not (count[0] and count[-1]):
         at = position[0] if not count[0] else position[-1]
+        where = "" if not count.any() else f" at {_listed([at], header)}, the end of the table"
         raise InputError(
-            f"no {way} reading at {_listed([at], header)}, the end of the table", file=header.path,
+            f"no {way} reading{where}", file=header.path,
             line=header.line_at(at), accepted="both directions at either end",
+            hint="runs of one direction alone go into columns error_1, error_2, ...",
         )  # fmt: skip
     mean = np.where(known, side, 0.0).sum(axis=0) / np.maximum(count, 1)
     gaps = np.flatnonzero(count == 0)

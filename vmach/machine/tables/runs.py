@@ -19,7 +19,7 @@ class Runs:
     Attributes
     ----------
     position_mm : (K,) float64
-        Target positions, increasing.
+        Target positions, increasing; of a rotary axis angles, in degrees where it is evaluated.
     forward, backward : (n, K) float64
         Deviation (actual minus target), approaching in positive and in negative direction, one
         row a run, in one unit; NaN where a reading is missing.
