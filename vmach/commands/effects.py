@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vmach.base.progress import progress_bar
-from vmach.commands.options import HERE, JobPath
+from vmach.commands.options import HERE, Control, JobPath
 
 if TYPE_CHECKING:
     from vmach.effects import Effect, Parameter
@@ -83,6 +83,7 @@ def check(
         Path | None,
         typer.Option(help="measured job: what its readings cannot tell the effect from"),
     ] = None,
+    control: Control = None,
 ) -> None:
     """Check the file of an effect of your own."""
     from vmach.base.units import um_from_mm
@@ -123,6 +124,7 @@ def propose(
     job: JobPath = HERE,
     out: Annotated[Path, typer.Option("-o", "--out", help="Python file to write")],
     number: Annotated[int, typer.Option(min=1, help="which of the proposals")] = 1,
+    control: Control = None,
 ) -> None:
     """Write a form for what no effect explains, as a file."""
     import re

@@ -20,7 +20,7 @@ from typing import Any
 from vmach.base.progress import PROGRESS_LINES
 from vmach.errors import InputError
 
-__all__ = ["CommandRun", "CommandRuns"]
+__all__ = ["CommandRun", "CommandRuns", "Done", "OutOfDate"]
 
 #: runs at a time, and those that are remembered
 _MOST_AT_WORK, _MOST_KEPT = 2, 30
@@ -28,6 +28,11 @@ _MOST_AT_WORK, _MOST_KEPT = 2, 30
 _MOST_OUTPUT = 4_000_000
 #: time that a run has to end when it is told to, before it is killed
 _TO_END_S = 10.0
+
+
+class OutOfDate(InputError):
+    """What a run found holds for files that have changed while it was at work."""
+
 
 Done = Callable[["CommandRun"], Awaitable[dict[str, Any] | None]]
 
@@ -180,6 +185,8 @@ class CommandRuns:
     async def _finish(self, run: CommandRun, done: Done) -> None:
         try:
             run.result = await done(run) or {}
+        except OutOfDate as error:
+            run.state, run.message = "failed", str(error)
         except (InputError, OSError, ValueError, KeyError) as error:
             run.state, run.message = "failed", f"its result cannot be read: {error}"
 

@@ -40,6 +40,11 @@ class FileWatch:
         self._seen, self._moving = watched, {}
 
     @property
+    def watched(self) -> list[Path]:
+        """All that are watched, there or not."""
+        return list(self._seen)
+
+    @property
     def files(self) -> list[Path]:
         """Those that are watched and there."""
         return [path for path, stamp in self._seen.items() if stamp is not None]

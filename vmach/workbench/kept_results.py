@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-__all__ = ["KeptResults"]
+__all__ = ["KeptResults", "content_of"]
 
 #: in the folder of the results
 _FILE = "workbench.json"
@@ -54,7 +54,7 @@ class KeptResults:
         of_job.pop(kind, None)
         with contextlib.suppress(OSError):
             if found is not None:
-                stamps = {str(path): _stamp(path) for path in files}
+                stamps = {str(path): content_of(path) for path in files}
                 of_job[kind] = {"found": found, "files": stamps}
             self._file.parent.mkdir(exist_ok=True)
             fresh = self._file.with_suffix(f".{os.getpid()}")
@@ -72,10 +72,11 @@ class KeptResults:
         try:
             named = [one["found"][key] for key in _NAMED if one["found"].get(key)]
             is_there = all((self._root / name).is_file() for name in named)
-            return is_there and all(_stamp(Path(p)) == s for p, s in one["files"].items())
+            return is_there and all(content_of(Path(p)) == s for p, s in one["files"].items())
         except (OSError, KeyError, TypeError, AttributeError):
             return False
 
 
-def _stamp(path: Path) -> str:
+def content_of(path: Path) -> str:
+    """A word for what a file holds, the same as long as that is the same."""
     return hashlib.sha256(path.read_bytes()).hexdigest()

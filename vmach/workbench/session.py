@@ -16,7 +16,7 @@ from vmach.workbench.command_runs import CommandRun, CommandRuns
 from vmach.workbench.events import Events
 from vmach.workbench.file_watch import FileWatch
 from vmach.workbench.job_chain import job_chain
-from vmach.workbench.kept_results import KeptResults
+from vmach.workbench.kept_results import KeptResults, content_of
 from vmach.workbench.last_picture import LastPicture
 from vmach.workbench.model.named_files import named_files
 from vmach.workbench.model.remote import ModelRefused, ModelStopped, RemoteModel
@@ -24,7 +24,7 @@ from vmach.workbench.opened_folder import OpenedFolder
 from vmach.workbench.recent_jobs import remember_job
 from vmach.workbench.steps_back import Step, StepsBack
 
-__all__ = ["RESULTS", "Session"]
+__all__ = ["RESULTS", "Session", "changed_since"]
 
 #: where results lie beside the jobs, as on the command line
 RESULTS = "vmach-results"
@@ -46,6 +46,8 @@ class Session:
     runs : CommandRuns or None
     other : Path or None
         A job beside the open one, to compare with.
+    control : str or None
+        That the programs are read for, in place of the job's.
     """
 
     def __init__(self, control: str | None = None) -> None:
@@ -61,7 +63,7 @@ class Session:
         self._kept: KeptResults | None = None
         self.other: Path | None = None
         self._other_model: RemoteModel | None = None
-        self._control = control
+        self.control = control
         self._model: RemoteModel | None = None
         self._picture: LastPicture | None = None
         self._started_ns = 0
@@ -111,7 +113,7 @@ class Session:
         ------
         ModelRefused, ModelStopped
         """
-        model = RemoteModel(job, (), self._control)
+        model = RemoteModel(job, (), self.control)
         try:
             await model.ask("about")
         finally:
@@ -161,6 +163,10 @@ class Session:
                 lambda what=what: self._show(kind, what, job) for what in (before, found)
             )
             self.steps.did(Step(step, back, again))
+
+    def contents(self) -> dict[Path, str | None]:
+        """What the files of the open job hold now, a word for each; None where one is not there."""
+        return {path: _content(path) for path in (*self._watch.watched, *self.effect_files)}
 
     def _found(self, job: Path | None) -> dict[str, Any]:
         """What was found about a job, or about the chain; at first what its files say."""
@@ -242,7 +248,7 @@ class Session:
         self.other, self._other_model = job, None
         if job is not None:
             files = {f for s in job_chain(job) for f in s.effect_files.values() if f.is_file()}
-            self._other_model = RemoteModel(job, sorted(files), self._control)
+            self._other_model = RemoteModel(job, sorted(files), self.control)
         self.events.tell("other", job=None if job is None else str(job))
 
     async def ask_other(self, question: str, **arguments: Any) -> tuple[dict[str, Any], bytes]:
@@ -329,8 +335,8 @@ class Session:
             self._model.close()
         self.revision += 1
         self._started_ns = time.time_ns()
-        self._model = RemoteModel(self.job, self.effect_files, self._control)
-        self._picture = LastPicture(self.job, self.effect_files, self._control)
+        self._model = RemoteModel(self.job, self.effect_files, self.control)
+        self._picture = LastPicture(self.job, self.effect_files, self.control)
         files = [*named_files(self.job), *self._picture.files, *self.effect_files]
         self._watch.watch(files, since_ns=self._started_ns)
         with contextlib.suppress(RuntimeError):  # no loop yet: the first question does it
@@ -358,6 +364,18 @@ class Session:
 
     def _tell_run(self, run: CommandRun) -> None:
         self.events.tell("run", **run.record())
+
+
+def _content(path: Path) -> str | None:
+    try:
+        return content_of(path)
+    except OSError:
+        return None
+
+
+def changed_since(before: dict[Path, str | None]) -> list[Path]:
+    """Files that hold something else than they did."""
+    return [path for path, content in before.items() if _content(path) != content]
 
 
 def _word_for(job: Path) -> str:

@@ -13,10 +13,10 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from vmach.errors import InputError
-from vmach.workbench.command_runs import CommandRun
+from vmach.workbench.command_runs import CommandRun, Done, OutOfDate
 from vmach.workbench.exchange import read_json, session_of
 from vmach.workbench.results import result_place
-from vmach.workbench.session import Session
+from vmach.workbench.session import Session, changed_since
 
 __all__ = ["routes"]
 
@@ -26,6 +26,10 @@ _SIZES = {
     "resolution_mm": (1e-6, 0.1), "tolerance_um": (1e-3, 100.0), "limit_um": (1.0, 10_000.0),
     "residual_limit_um": (0.1, 1000.0),
 }  # fmt: skip
+#: runs whose result is a file of its own, which says what it was made of
+_WRITERS = ("add", "keep", "propose", "check")
+#: commands that take the control which the program is read for
+_OF_CONTROL = ("add", "check", "compensate", "diagnose", "effects", "history", "run")
 _DIALECTS = ("fanuc", "grbl", "haas", "heidenhain", "linuxcnc", "sinumerik")
 
 
@@ -43,7 +47,7 @@ async def _diagnose(request: Request) -> Response:
         session.show("diagnosis", found, job, step="diagnosis")
         return found
 
-    words = ["diagnose", job.name, "--out", str(out), *_own_effects(session)]
+    words = ["diagnose", job.name, "--out", str(out)]
     return _start(session, "diagnose", words, done)
 
 
@@ -62,7 +66,7 @@ async def _add(request: Request) -> Response:
             _history(session)
         return found
 
-    words = ["add", job.name, *effects, "--json", *_own_effects(session)]
+    words = ["add", job.name, *effects, "--json"]
     return _start(session, "add", words, done)
 
 
@@ -79,9 +83,7 @@ async def _keep(request: Request) -> Response:
         found["is_opened"] = session.open_next(job.parent / Path(found["job"]).name, after=job)
         return found
 
-    return _start(
-        session, "keep", ["set", job.name, *words, "--json", *_own_effects(session)], done
-    )
+    return _start(session, "keep", ["set", job.name, *words, "--json"], done)
 
 
 async def _kept(session: Session, one: dict[str, Any]) -> list[str]:
@@ -113,8 +115,10 @@ def _history(session: Session) -> CommandRun:
         session.show("history", found)
         return found
 
-    words = ["history", job.name, "--json", "--picture", str(picture), *_own_effects(session)]
-    return runs.start("history", words, done)
+    words = ["history", job.name, "--json", "--picture", str(picture)]
+    return runs.start(
+        "history", _whole_command(session, words), _if_of_now(session, "history", done)
+    )
 
 
 async def _propose(request: Request) -> Response:
@@ -226,7 +230,7 @@ async def _collisions(request: Request) -> Response:
         session.show("collisions", {"found": json.loads(run.output)["collisions"]}, job)
         return {}
 
-    words = ["check", job.name, "--collisions", "--json", *_own_effects(session)]
+    words = ["check", job.name, "--collisions", "--json"]
     return _start(session, "collisions", words, done)
 
 
@@ -239,18 +243,37 @@ async def _stop(request: Request) -> Response:
 
 def _start(session: Session, kind: str, words: Sequence[str], done: Any) -> Response:
     _, _, runs = session.need_job()
-    return JSONResponse(runs.start(kind, words, done).record())
+    checked = done if kind in _WRITERS else _if_of_now(session, kind, done)
+    return JSONResponse(runs.start(kind, _whole_command(session, words), checked).record())
+
+
+def _if_of_now(session: Session, kind: str, done: Done) -> Done:
+    """Take a result only where the job's files still are what they were when its run began."""
+    before = session.contents()
+
+    async def checked(run: CommandRun) -> dict[str, Any] | None:
+        if changed := changed_since(before):
+            names = ", ".join(path.name for path in changed)
+            raise OutOfDate(f"{names} changed while {kind} was at work: its result is of the files "
+                            "before, and is not shown", hint=f"start {kind} again")  # fmt: skip
+        return await done(run)
+
+    return checked
+
+
+def _whole_command(session: Session, words: Sequence[str]) -> list[str]:
+    """A command that reads the job as the page does: with its own effects, for its control."""
+    folder, _, _ = session.need_job()
+    known = [
+        word for path in session.effect_files for word in ("--effect-file", folder.name_of(path))
+    ]
+    control = ["--control", session.control] if session.control and words[0] in _OF_CONTROL else []
+    return [*known, *words, *control]
 
 
 def _json(session: Session, name: Path) -> dict[str, Any]:
     folder, _, _ = session.need_job()
     return json.loads(folder.existing(str(name)).read_text(encoding="utf-8"))
-
-
-def _own_effects(session: Session) -> list[str]:
-    folder, _, _ = session.need_job()
-    names = [folder.name_of(path) for path in session.effect_files]
-    return [word for name in names for word in ("--effect-file", name)]
 
 
 routes = [

@@ -1,0 +1,105 @@
+"""What commands of the page know: own effects, the control, and files that change meanwhile."""
+
+import shutil
+import signal
+
+import pytest
+
+from tests.unit.workbench.conftest import Page, replace
+
+#: what is written for it: a displacement of Y with the place of X
+_LAW = '''"""Y moves with the place of X."""
+
+from vmach.effects import Effect, along, linear
+
+
+class LeanY(Effect):
+    """A carriage that leans."""
+
+    name = "lean_y"
+    title = "Y moves with X"
+    parameters = (linear("amount_um", "at the end of the travel", usual=5.0),)
+    targets = ("Y",)
+    usual_size = "1 to 10 um"
+    confirm = "read a straightedge along X"
+    cure = "scrape the guide"
+    source = "made up for this test"
+
+    def displacement(self, path, target, amount_um):
+        return along(target, 1e-3 * amount_um * path.nose_mm[:, 0] / 500.0)
+'''
+
+
+@pytest.fixture
+def bench(measured_folder, tmp_path):
+    """The measured job with the own effect in it, which the page knows of."""
+    folder = tmp_path / "job"
+    shutil.copytree(measured_folder, folder, symlinks=True)
+    (folder / "lean_y.py").write_text(_LAW)
+    job = folder / "job.toml"
+    job.write_text(
+        job.read_text()
+        + '\n[effects.lean_y.Y]\namount_um = 3.0\n\n[[history]]\nprevious = "before.toml"\n'
+        'added = ["lean_y Y"]\neffect_files = {lean_y = "lean_y.py"}\n'
+    )
+    made = Page(job)
+    with made.client:
+        yield made
+
+
+def process_of(bench, run):
+    """Its process, when it is there."""
+    while bench.session.runs.of_number(run["number"]).process is None:
+        bench.get("/api/state")
+    return bench.session.runs.of_number(run["number"]).process
+
+
+def end_of(bench, run):
+    """Wait until the process of a run that was stopped has ended."""
+    found = bench.session.runs.of_number(run["number"])
+    while found.process is not None and found.process.returncode is None:
+        bench.get("/api/state")
+
+
+@pytest.mark.parametrize(
+    ("address", "kind"), [("compensate", "compensate"), ("machine", "machine")]
+)
+def test_every_command_knows_the_own_effect(bench, address, kind):
+    answer = bench.post(f"/api/{address}")
+    assert answer.status_code == 200, answer.text
+    run = bench.wait_for(kind)
+    assert run["state"] == "done", run["message"]
+    assert run["command"].startswith("vmach --effect-file lean_y.py ")
+
+
+def test_a_form_is_asked_for_beside_the_own_effect(bench):
+    bench.post("/api/propose", {"name": "form_one", "number": 1})
+    run = bench.wait_for("propose")
+    assert "unknown effect" not in run["message"]
+
+
+@pytest.mark.parametrize("kind", ["diagnose", "compensate", "machine", "collisions"])
+def test_commands_read_the_program_for_the_control_of_the_page(bench, kind):
+    bench.session.control = "sinumerik"
+    run = bench.post(f"/api/{kind}").json()
+    bench.post(f"/api/runs/{run['number']}/stop")
+    end_of(bench, run)
+    assert run["command"].endswith("--control sinumerik")
+
+
+def test_a_verdict_of_readings_that_changed_meanwhile_is_not_shown(bench):
+    folder = bench.session.folder.root
+    points = folder / "points.csv"
+    bench.get("/api/about")
+    process = process_of(bench, bench.post("/api/diagnose").json())
+    process.send_signal(signal.SIGSTOP)  # it cannot end before the file has changed
+    rows = points.read_text().splitlines()
+    replace(points, "\n".join(rows[:-1]) + "\n")
+    process.send_signal(signal.SIGCONT)
+    run = bench.wait_for("diagnose")
+    assert run["state"] == "failed", run
+    assert "points.csv changed while diagnose was at work" in run["message"]
+    assert not bench.get("/api/state").json()["shown"].get("diagnosis")
+    bench.post("/api/diagnose")  # and again, of the file as it is
+    assert bench.wait_for("diagnose")["state"] == "done"
+    assert bench.get("/api/state").json()["shown"]["diagnosis"]
