@@ -127,7 +127,8 @@ def _finding(finding: Finding) -> dict[str, Any]:
     if finding.effect is not None:
         sets = [_other_set(one) for one in finding.rivals.sets]
         entry |= {"rivals": list(finding.rivals.labels), "other_sets": sets}
-        entry |= describe(finding.effect)
+        entry |= describe(finding.effect) | {"title": title_of(finding.effect, finding.target)}
+        entry["remark"] = RELATIVE if finding.is_relative else None
     return entry
 
 

@@ -33,6 +33,7 @@ from tests.unit.workbench.browser import (
     workers_of,
 )
 from tests.unit.workbench.conftest import replace
+from vmach.diagnosis.words import rounded
 
 pytestmark = needs_browser
 
@@ -145,6 +146,7 @@ def test_the_loop_by_keys_alone(tab, folder):
     press_to(tab, "#diagnose")
     tab.keyboard.press("Enter")
     tab.locator(".card .primary", has_text="Add").first.wait_for()
+    agrees_with_the_command(tab, folder / "vmach-results" / "job" / "diagnosis" / "diagnosis.json")
     press_to(tab, ".card .primary:has-text('Add')")
     tab.keyboard.press("Enter")
     tab.wait_for_selector(".mark-held")
@@ -164,6 +166,21 @@ def test_the_loop_by_keys_alone(tab, folder):
     tab.locator(".card .primary", has_text="Add").first.wait_for(state="detached")
     tab.keyboard.press("Control+y")
     tab.locator(".card .primary", has_text="Add").first.wait_for()
+
+
+def agrees_with_the_command(tab, figures):
+    """The cards have the digits and the words of what the command prints."""
+    found = json.loads(figures.read_text())
+    cards = tab.locator("#panel-diagnose .card").all_inner_texts()
+    for one, card in zip(found["effects"], cards, strict=False):
+        assert f"{one['size_um']:.2f} µm RMS of these readings" in card
+        assert f"(log odds {one['log_odds']:.0f})" in card and one["title"] in card
+        for name, value in one["parameters"].items():
+            said, low, high = (
+                text.replace("-", "−") for text in rounded(value, one["interval_95"][name])
+            )
+            assert said in card and f"{low} to {high} (95 %)" in card
+    assert "noise and the tables' uncertainty" in tab.locator("#panel-diagnose").inner_text()
 
 
 def test_loaded_anew_it_shows_the_same(tab):

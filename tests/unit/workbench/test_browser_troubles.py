@@ -88,6 +88,23 @@ def test_a_decimal_comma_is_one_and_two_numbers_are_refused(tab):
     assert settings["centre_mm"] == [1.5, 2, -3] and settings["radius_mm"] == 150
 
 
+def test_a_size_of_a_compensation_takes_a_decimal_comma_and_says_what_it_is(tab):
+    tab.locator("#tab-compensate").click()
+    field = tab.locator("[name=tolerance_um]")
+    sent = answer(tab, "**/api/compensate")
+    for text, said in (("half", "before rounding, µm: half"), ("", "before rounding, µm: nothing")):
+        field.fill(text)
+        tab.locator("#compensate").click()
+        assert said in complaint(tab)
+    field.fill("")
+    field.press_sequentially("0,5")
+    tab.locator("#compensate").click()
+    assert "it is refused" in complaint(tab)
+    assert len(sent) == 1 and sent[0]["tolerance_um"] == 0.5 and sent[0]["residual_limit_um"] == 5
+    tab.unroute("**/api/compensate")
+    field.fill("0.1")
+
+
 def test_readings_of_the_part_say_what_they_replace_and_draw_no_empty_chart(tab, folder):
     open_readings(tab)
     tab.get_by_label("Instrument").select_option("part")
@@ -132,6 +149,20 @@ def test_an_uncertainty_begins_at_zero_and_has_no_sign(tab):
 def test_angles_have_the_names_of_the_glossary(tab):
     words = " ".join(tab.locator("#quantity option").all_inner_texts())
     assert "yaw of X, about Z" in words and "tilt" not in words
+
+
+def test_a_job_that_cannot_be_read_shows_nothing_of_the_one_before(tab):
+    tab.locator("#tab-diagnose").click()
+    says(tab, "#panel-diagnose", "µm RMS")
+    tab.locator("#home").click()
+    tab.locator(".jobs button", has_text="broken.toml").first.click()
+    assert "diameter_mm" in complaint(tab)
+    for place in ("#figures", "#diagnose", "#lines-sheet", "#panel-diagnose .lead"):
+        assert not tab.locator(place).is_visible(), place
+    tab.locator("#tab-propose").click()  # where a law that is the cause can be mended
+    assert tab.get_by_label("Python of the effect").is_visible()
+    open_job(tab, "part/job.toml")
+    assert tab.locator("#figures").is_visible()
 
 
 # ---- names

@@ -103,3 +103,16 @@ def test_a_verdict_of_readings_that_changed_meanwhile_is_not_shown(bench):
     bench.post("/api/diagnose")  # and again, of the file as it is
     assert bench.wait_for("diagnose")["state"] == "done"
     assert bench.get("/api/state").json()["shown"]["diagnosis"]
+
+
+@pytest.mark.parametrize("size", [0, -1, 1e9, "0,5", None])
+def test_a_size_out_of_bounds_is_refused_in_the_words_of_the_page(bench, size):
+    answer = bench.post("/api/compensate", {"resolution_mm": size})
+    if size is None:  # the usual one
+        assert answer.status_code == 200
+        bench.post(f"/api/runs/{answer.json()['number']}/stop")
+        end_of(bench, answer.json())
+        return
+    assert answer.status_code == 400
+    assert "resolution of the control, mm" in answer.json()["error"]
+    assert "accepted: 1e-06 .. 0.1" in answer.json()["error"]

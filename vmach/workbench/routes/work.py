@@ -22,10 +22,13 @@ __all__ = ["routes"]
 
 _EFFECT = re.compile(r"[a-z][a-z0-9_]{0,60}(:[A-Za-z0-9]{1,12})?")
 _FILE_STEM = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+#: sizes of a compensation: what the page calls each, and what it may be
 _SIZES = {
-    "resolution_mm": (1e-6, 0.1), "tolerance_um": (1e-3, 100.0), "limit_um": (1.0, 10_000.0),
-    "residual_limit_um": (0.1, 1000.0),
-}  # fmt: skip
+    "resolution_mm": ("resolution of the control, mm", 1e-6, 0.1),
+    "tolerance_um": ("largest residual before rounding, µm", 1e-3, 100.0),
+    "limit_um": ("largest correction accepted, µm", 1.0, 10_000.0),
+    "residual_limit_um": ("largest residual as written, µm", 0.1, 1000.0),
+}
 #: runs whose result is a file of its own, which says what it was made of
 _WRITERS = ("add", "keep", "propose", "check")
 #: commands that take the control which the program is read for
@@ -195,12 +198,12 @@ def _choices(asked: dict[str, Any]) -> list[str]:
         if value not in accepted:
             raise InputError(f"{name} = {value!r}", accepted=", ".join(accepted))
         words += [f"--{name}", str(value)]
-    for name, (low, high) in _SIZES.items():
+    for name, (word, low, high) in _SIZES.items():
         value = asked.get(name)
         if value is None:
             continue
         if not isinstance(value, int | float) or not low <= value <= high:
-            raise InputError(f"{name} = {value!r}", accepted=f"{low:g} .. {high:g}")
+            raise InputError(f"{word}: {value!r}", accepted=f"{low:g} .. {high:g}")
         words += [f"--{name.replace('_', '-')}", f"{value:g}"]
     return words
 

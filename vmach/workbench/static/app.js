@@ -109,8 +109,8 @@ async function showJob(revision) {
 function showUndo() {
   const { chain, steps, job } = bench.state, at = (chain ?? []).findIndex((step) => step.is_open), before = chain?.[at - 1];
   const word = steps?.undo ?? (before ? "+ " + chain[at].added.join(", ") : null);
-  Object.assign(byId("undo"), { hidden: !job || !word, textContent: `Undo: ${word}`, title: "Ctrl-Z; no file goes away" });
-  Object.assign(byId("redo"), { hidden: !job || !steps?.redo, textContent: "Redo", title: `Do again: ${steps?.redo}` });
+  Object.assign(byId("undo"), { hidden: !job || !word, textContent: word ? `Undo: ${word}` : "Undo", title: `${word ?? ""} (Ctrl-Z; no file goes away)` });
+  Object.assign(byId("redo"), { hidden: !job || !steps?.redo, textContent: "Redo", title: `Do again: ${steps?.redo ?? ""}` });
   byId("undo").onclick = once(() => (steps?.undo ? post("/api/undo") : post("/api/open", { job: before.job })));
   byId("redo").onclick = once(() => post("/api/redo"));
 }

@@ -1,11 +1,14 @@
 // Compensate: choices, progress, before and after, what changed in the text, and the program to take along.
 
-import { attempt, bench, isAtWork } from "./bench.js";
+import { attempt, bench, isAtWork, once } from "./bench.js";
 import { downloadAddress, get, showAddress } from "./api.js";
-import { el, fixed, micro, redraw } from "./dom.js";
+import { el, fixed, micro, oneNumber, redraw } from "./dom.js";
 import { runBox, startRun } from "./runs.js";
 
 const DIALECTS = ["", "fanuc", "grbl", "haas", "heidenhain", "linuxcnc", "sinumerik"];
+// name, what it is for people, its usual value; text and not a number's field, which would drop a decimal comma
+const SIZES = [["resolution_mm", "Resolution of the control, mm", 0.001], ["tolerance_um", "Largest residual before rounding, µm", 0.1],
+  ["residual_limit_um", "Largest residual as written, µm", 5], ["limit_um", "Largest correction accepted, µm", 500]];
 const state = { difference: null, of: null };
 
 export function compensatePanel(panel) {
@@ -19,21 +22,22 @@ export function compensatePanel(panel) {
 
 function choices() {
   const select = (name, options) => el("select", { name }, options.map(([value, word]) => el("option", { value }, word)));
-  const number = (name, value, step) => el("input", { name, type: "number", value, step, min: 0 });
+  const size = ([name, word, value]) => row(word, el("input", { name, value, class: "name", inputMode: "decimal", title: `--${name.replaceAll("_", "-")} of the command` }));
   const row = (word, input) => el("label", { class: "choice" }, el("span", {}, word), input);
   const form = el("form", { class: "choices" },
     row("Keep in place", select("aim", [["tool", "the tool's tip"], ["part", "the surface"]])),
     row("Error model", select("model", [["abbe", "Abbe-consistent"], ["htm", "conventional HTM"]])),
     row("Written for", select("dialect", DIALECTS.map((d) => [d, d || "its own control"]))),
-    row("Resolution of the control, mm", number("resolution_mm", 0.001, "any")),
-    row("Largest residual before rounding, µm", number("tolerance_um", 0.1, "any")),
-    row("Largest correction accepted, µm", number("limit_um", 500, "any")),
+    SIZES.map(size),
     el("button", { class: "primary", id: "compensate" }, "Compensate"));
+  const compensate = once(() => {
+    const given = new FormData(form), what = { aim: given.get("aim"), model: given.get("model"), dialect: given.get("dialect") };
+    for (const [name, word] of SIZES) what[name] = oneNumber(given.get(name), word);
+    return startRun("/api/compensate", what);
+  });
   form.onsubmit = (event) => {
     event.preventDefault();
-    const given = new FormData(form), what = { aim: given.get("aim"), model: given.get("model"), dialect: given.get("dialect") };
-    for (const name of ["resolution_mm", "tolerance_um", "limit_um"]) what[name] = Number(given.get(name));
-    startRun("/api/compensate", what);
+    compensate({ currentTarget: form.querySelector("#compensate") });
   };
   return form;
 }
@@ -60,7 +64,13 @@ function figuresTable(f) {
     const bar = el("i", { class: "after" });
     bar.style.width = Math.min(100, (100 * after) / Math.max(before, 1e-9)) + "%";
     return el("tr", {}, el("th", { scope: "row" }, word), el("td", { class: "value" }, fixed(before)), el("td", { class: "value" }, fixed(after), " µm"), el("td", { class: "bar narrow" }, bar));
-  }))), el("p", { class: "soft" }, `largest correction ${fixed(f.largest_correction_um)} µm; ${fixed(f.growth)} times as many blocks; ${f.arcs_kept} of ${f.arcs} arcs stay arcs`));
+  }))), el("p", { class: "soft" }, `${expected(f.surface)}largest correction ${fixed(f.largest_correction_um)} µm; ${fixed(f.growth)} times as many blocks; ${f.arcs_kept} of ${f.arcs} arcs stay arcs`));
+}
+
+// The model is not the machine: tables and effects have an uncertainty, which the part has too.
+function expected(surface) {
+  if (!surface) return "";
+  return `to be expected on the machine: ${fixed(surface.expected_rms_um)} µm RMS, of it ${fixed(surface.after_rms_um)} in the model and ${fixed(surface.u_rms_um)} by the uncertainty of tables and effects; `;
 }
 
 const loadDifference = attempt(async (number, program) => {

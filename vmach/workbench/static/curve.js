@@ -6,6 +6,7 @@ import { el, fixed, svg } from "./dom.js";
 import { startRun } from "./runs.js";
 
 const APART = 16; // px between the values of two marks of one model
+const LETTERS = 56; // that fit below the axis side by side
 const WIDTH = 380, HEIGHT = 190, LEFT = 40, RIGHT = 16, TOP = 14, BOTTOM = 26;
 
 export function historyCurve() {
@@ -28,6 +29,8 @@ function evaluate() {
   button.onclick = () => startRun("/api/history");
   return el("div", { class: "row" }, button, el("span", { class: "soft" }, "shows how the error fell"));
 }
+
+const cut = (text, most) => (text.length > most ? text.slice(0, most - 1) + "…" : text);
 
 function plot(steps) {
   const values = steps.flatMap((step) => [step.fitted, step.heldOut]).filter((v) => v !== undefined && v !== null);
@@ -59,7 +62,7 @@ function plot(steps) {
   }
   steps.forEach((step, i) => made.append(Object.assign(
     svg("text", { class: "tick" + (step.is_open ? " open" : ""), x: x(i), y: HEIGHT - 7, "text-anchor": "middle" }),
-    { textContent: i === 0 ? "as given" : "+ " + step.added.join(", ").slice(0, 22) })));
+    { textContent: i === 0 ? "as given" : cut("+ " + step.added.join(", "), Math.floor(LETTERS / steps.length)) })));
   return el("figure", {}, made, el("figcaption", {},
     el("span", { class: "key fitted" }), "fitted readings, RMS in µm ",
     ...(steps.some((step) => typeof step.heldOut === "number") ? [el("span", { class: "key held" }), "features left out of the fit"] : [])));

@@ -2,7 +2,7 @@
 
 import { attempt, bench, isAtWork } from "./bench.js";
 import { downloadAddress, get, showAddress } from "./api.js";
-import { el, fixed, micro, redraw, short, units } from "./dom.js";
+import { el, fixed, micro, redraw, rounded, short, units } from "./dom.js";
 import { historyCurve } from "./curve.js";
 import { readingsForm } from "./readings.js";
 import { runBox, startRun } from "./runs.js";
@@ -10,11 +10,14 @@ import { setLook } from "./stage.js";
 
 const VERDICTS = {
   named: "The model lacks this",
-  class: "These readings narrow it down to a class",
+  class: "The model lacks something that these readings narrow down to a class",
+  some: "The model lacks these; of some these readings show no more than a class",
   partly: "The model lacks this, and something else remains",
   unknown: "Something real is left that no known effect clearly explains",
-  nothing: "The measurements agree with the model",
+  nothing: "The measurements agree with the model: nothing is missing that they could show",
 };
+const STATUS = { shown: "shown", class: "shown as a class" };
+const MOST_BLIND = 6, EXCHANGED = "exchanged";
 const state = { measured: null, trouble: null, isWhole: false };
 
 export function diagnosePanel(panel) {
@@ -68,9 +71,13 @@ function residualButtons() {
 }
 
 function verdict(found) {
+  // a file that says something else than is true comes before anything that the machine lacks
+  const isFirst = (note, i) => found.note_records?.[i]?.kind === EXCHANGED, isRest = (note, i) => !isFirst(note, i);
+  const isOfSome = found.verdict === "class" && found.effects.some((one) => one.status === "shown");
   const rows = [
-    el("h3", { class: "verdict " + found.verdict }, VERDICTS[found.verdict]),
-    rmsBars(found),
+    ...found.notes.filter(isFirst).map((note) => el("p", { class: "trouble" }, "Look at the files first: ", micro(note))),
+    el("h3", { class: "verdict " + found.verdict }, VERDICTS[isOfSome ? "some" : found.verdict]),
+    rmsBars(found), ofMeasurement(found),
     ...found.effects.map((one) => card(one, found)),
   ];
   if (["partly", "unknown"].includes(found.verdict)) {
@@ -80,15 +87,31 @@ function verdict(found) {
     rows.push(...found.where_it_fails.slice(0, 3).map((one) => el("p", { class: "remark" }, micro(one.text))));
   }
   if (found.weak_effects.length)
-    rows.push(el("p", { class: "soft" }, "Hinted at, not shown: ", found.weak_effects.map((w) => [w.effect, w.target].filter(Boolean).join(" ")).join(", ")));
+    rows.push(el("p", { class: "soft" }, "Not counted as present: ", micro(found.weak_effects.map((w) => `${[w.effect, w.target].filter(Boolean).join(" ")} (${w.why})`).join("; "))));
   if (found.next_measurement) rows.push(next(found), readingsForm(found.next_measurement.text));
-  rows.push(...found.notes.map((note) => el("p", { class: "remark" }, micro(note))));
+  rows.push(blindSpots(found), ...found.notes.filter(isRest).map((note) => el("p", { class: "remark" }, micro(note))));
   rows.push(whole(found));
   return rows;
 }
 
+// What the readings hold that the verdict counts as of the measurement.
+function ofMeasurement({ of_measurement_um }) {
+  const each = Object.entries(of_measurement_um).map(([name, um]) => `${name} ${short(um)} µm`);
+  return each.length ? el("p", {}, `Counted as of the measurement: ${each.join(", ")}.`) : null;
+}
+
+// An effect that these readings cannot show may be there all the same.
+function blindSpots({ blind_spots }) {
+  const unseen = blind_spots.filter((spot) => spot.from_size !== null).slice(0, MOST_BLIND);
+  if (!unseen.length) return null;
+  return el("details", { class: "blind" }, el("summary", {}, "These measurements cannot show"),
+    el("ul", {}, unseen.map((spot) => el("li", {}, `${[spot.effect, spot.target].filter(Boolean).join(" ")}: ${micro(spot.text)}`))));
+}
+
 function rmsBars(found) {
-  const words = { before: "the model as it is", after: "with what was found", expected_noise: "expected noise" };
+  const noise = bench.about.effects.length ? "noise, tables and what the job's effects leave open" : "noise and the tables' uncertainty";
+  const words = { before: "the model as it is", after: "with what was found", expected_noise: noise };
+  if (!found.effects.some((one) => one.effect !== "unknown")) delete words.after; // the same figure once more
   const largest = Math.max(...Object.values(found.rms_um), 1e-9);
   return el("table", { class: "bars" }, el("tbody", {}, Object.entries(words).filter(([key]) => key in found.rms_um).map(([key, word]) => {
     const bar = el("i", { class: key });
@@ -104,16 +127,17 @@ function card(one, found) {
   const add = el("button", { type: "button", class: "primary", disabled: isAtWork("add") }, "Add");
   add.onclick = () => startRun("/api/add", { effects: [word] });
   const numbers = Object.entries(one.interval_95).map(([name, [low, high]]) => {
-    const unit = units(unitOf(name));
-    return el("p", { class: "size" }, el("b", {}, short(one.parameters[name])), ` ${unit} `,
-      el("small", { class: "soft" }, one.weakly_identified.includes(name) ? `${meaning(one, name)}: the readings hardly show it` : `${meaning(one, name)}: ${short(low)} to ${short(high)} (95 %)`));
+    const unit = units(unitOf(name)), [said, from, to] = rounded(one.parameters[name], [low, high]);
+    return el("p", { class: "size" }, el("b", {}, said), ` ${unit} `,
+      el("small", { class: "soft" }, one.weakly_identified.includes(name) ? `${meaning(one, name)}: the readings hardly show it` : `${meaning(one, name)}: ${from} to ${to} (95 %)`));
   });
   const rivals = (one.rivals ?? []).filter((label) => label !== [one.effect, one.target].filter(Boolean).join(" "));
   return el("article", { class: "card" },
-    el("header", {}, el("h4", {}, one.what, " ", el("code", {}, word.replace(":", " "))), add),
-    one.where ? el("p", {}, micro(one.where)) : null, ...numbers,
-    el("p", { class: "soft" }, `explains ${fixed(one.size_um)} µm RMS, ${Math.round(100 * one.share)} % of what is there`),
+    el("header", {}, el("h4", {}, one.title ?? one.what, " ", el("code", {}, word.replace(":", " "))), add),
+    one.where ? el("p", {}, micro(one.where)) : null, one.remark ? el("p", { class: "soft" }, one.remark) : null, ...numbers,
+    el("p", { class: "soft" }, `${STATUS[one.status] ?? one.status}, ${fixed(one.size_um)} µm RMS of these readings, ${Math.round(100 * one.share)} % of all found or left (log odds ${Math.round(one.log_odds)})`),
     rivals.length ? el("p", {}, "Cannot be told from: ", rivals.join(", ")) : null,
+    rivals.length && !found.next_measurement ? el("p", { class: "soft" }, "None of the tests that vmach can plan tells them apart.") : null,
     details([["Usual size", one.usual_size], ["Confirm", one.confirm], ["Cure", one.cure]]),
     found.effects.length > 1 && one === found.effects.at(-1) ? addAll(found) : null);
 }

@@ -71,7 +71,7 @@ export function oneNumber(text, what) {
   if (THOUSANDS.test(text.trim()))
     throw new Error(`${what}: ${text.trim()} may be ${text.trim().replaceAll(",", "")} or ${value}; accepted: a decimal point, or no comma`);
   if (Number.isFinite(value)) return value;
-  throw new Error(`${what}: ${text.trim()}; accepted: one number, such as 1.5`);
+  throw new Error(`${what}: ${text.trim() || "nothing"}; accepted: one number, such as 1.5`);
 }
 
 // Three numbers between blanks, semicolons or commas; a comma is a decimal one where the numbers are apart without it.
@@ -90,7 +90,15 @@ export const signed = (value, digits = 2) => {
   const text = Math.abs(value).toFixed(digits);
   return (Number(text) === 0 ? "" : value < 0 ? "−" : "+") + text;
 };
+// A value and the ends of its interval: two digits of the interval's half width count, as in the command's words.
+export function rounded(value, [low, high]) {
+  let half = Math.max(0.5 * (high - low), 1e-3 * Math.abs(value), 1e-12);
+  half = Math.min(half, 3 * Math.abs(value) || half);
+  const digits = 1 - Math.floor(Math.log10(half)), unit = 10 ** digits;
+  return [value, low, high].map((v) => fixed(Math.round(v * unit) / unit, Math.min(Math.max(digits, 0), 12)));
+}
 export const short = (value) => minus(String(Number(value.toPrecision(3))));
+export const uncertain = (u) => String(Number(u.toPrecision(2)));
 export const units = (word) => ({ um: "µm", um_per_m: "µm/m", urad: "µrad", ppm: "ppm", mm: "mm", s: "s", ms: "ms", rad: "rad", degc: "°C" })[word.toLowerCase()] ?? word.replaceAll("_", " ").replace("um", "µm");
 export const micro = (text) => text.replace(/\b(\d[\d.]*\s?)u(m|rad)\b/g, "$1µ$2").replace(/\bum\b/g, "µm").replace(/\burad\b/g, "µrad");
 export const clock = (seconds) => {

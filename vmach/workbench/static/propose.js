@@ -2,7 +2,7 @@
 
 import { attempt, bench, isAtWork, once } from "./bench.js";
 import { get, put } from "./api.js";
-import { el, fixed, micro, redraw, short } from "./dom.js";
+import { el, fixed, micro, redraw, short, uncertain } from "./dom.js";
 import { runBox, startRun } from "./runs.js";
 
 const SKELETON = `"""What the effect is, in one sentence."""
@@ -66,7 +66,7 @@ function proposals() {
 function amount(p) {
   const clear = (p.each ?? []).filter((one) => Math.abs(one.amount_um) > 2 * one.u_um);
   const every = p.amounts > 1 ? clear : [p];
-  const each = every.flatMap((one) => [el("b", {}, short(one.amount_um)), ` µm (u = ${short(one.u_um)})${one.of ? ` ${one.of}` : ""}, `]);
+  const each = every.flatMap((one) => [el("b", {}, short(one.amount_um)), ` µm (u = ${uncertain(one.u_um)})${one.of ? ` ${one.of}` : ""}, `]);
   return p.size_um === undefined ? each : [...each, `${fixed(p.size_um)} µm RMS of the readings, `];
 }
 
