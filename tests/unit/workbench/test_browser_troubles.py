@@ -1,10 +1,14 @@
 """The page in a real browser where something is wrong, slow, or done twice."""
 
+import io
 import json
+import re
 import shutil
 
+import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 
 from tests.unit.workbench.browser import (
     TABLET,
@@ -38,6 +42,7 @@ def jobs(folder):
     (folder / "wider.toml").write_text(wider)
     (folder / "broken.toml").write_text(text.replace("diameter_mm = 10", 'diameter_mm = "ten"'))
     shutil.copy(folder / "job.toml", folder / "50% #2?.toml")
+    (folder / "no_cad.toml").write_text(re.sub(r"(?m)^nominal.*$", "", text))
 
 
 def answer(page, address, *, status=400, said="it is refused", times=None):
@@ -163,6 +168,25 @@ def test_a_job_that_cannot_be_read_shows_nothing_of_the_one_before(tab):
     assert tab.get_by_label("Python of the effect").is_visible()
     open_job(tab, "part/job.toml")
     assert tab.locator("#figures").is_visible()
+
+
+def test_colours_of_a_part_without_cad_are_seen_from_afar(tab):
+    open_job(tab, "no_cad.toml")
+    tab.locator(".options summary").click()
+    tab.locator("#marks-on").uncheck()  # their numbers are dark, too
+    tab.keyboard.press("Escape")
+    tab.locator("#canvas").focus()
+    for _ in range(12):
+        tab.keyboard.press("-")
+    tab.wait_for_timeout(1000)  # the map rests, and is drawn in full
+    picture = np.asarray(Image.open(io.BytesIO(tab.locator("#canvas").screenshot())).convert("RGB"))
+    middle = picture[tuple(slice(n // 4, 3 * n // 4) for n in picture.shape[:2])].astype(int)
+    is_line, is_coloured = middle.max(axis=2) < 70, np.ptp(middle, axis=2) > 40
+    assert is_coloured.sum() > 3 * is_line.sum(), (is_coloured.sum(), is_line.sum())
+    tab.locator(".options summary").click()
+    tab.locator("#marks-on").check()
+    tab.keyboard.press("Escape")
+    open_job(tab, "part/job.toml")
 
 
 # ---- names

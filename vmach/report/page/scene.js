@@ -43,6 +43,7 @@ class Model {
       for (let k = 0; k < 3; k++) this.triangles[3 * i + k] = c["corner_" + k][i];
     this.normals = this.vertexNormals();
     this.outline = this.sharpEdges();
+    this.faceWidth_mm = this.faceWidth();
     this.low = [0, 1, 2].map((k) => data.origin_mm[k]);
     this.high = [0, 1, 2].map((k) => data.origin_mm[k] + 65535 * data.step_mm[k]);
     this.centre = this.low.map((low, k) => (low + this.high[k]) / 2);
@@ -102,6 +103,14 @@ class Model {
       if (keys[i] !== keys[i - 1] && keys[i] !== keys[i + 1]) out.push(Math.floor(keys[i] / count), keys[i] % count);
     return new Uint32Array(out);
   }
+  // How wide faces are, as one strip of the same area and outline would be.
+  faceWidth() {
+    const v = this.vertices, e = this.outline;
+    let area = 0, length = 0;
+    for (let i = 0; i < this.triangles.length; i += 3) area += Math.hypot(...this.triangleNormal(i)) / 2;
+    for (let i = 0; i < e.length; i += 2) length += Math.hypot(...[0, 1, 2].map((k) => v[3 * e[i + 1] + k] - v[3 * e[i] + k]));
+    return length > 0 ? (2 * area) / length : Infinity;
+  }
   // The inspected point nearest to a place on the surface, on a face of the same direction.
   nearestPoint(place, normal) {
     let best = -1, smallest = Infinity;
@@ -152,6 +161,8 @@ void main() {
   }
   colour = vec4(rgb * shade, 1.0);
 }`;
+
+const NARROWEST_PX = 6; // of faces that are drawn with their outline: a line at each side takes a third of it
 
 // A parallel view of the model; azimuth and elevation in rad, zoom 1 shows all of it.
 class Scene {
@@ -339,7 +350,9 @@ class Scene {
     gl.uniform1f(this.uniform("tolerance"), look.tolerance);
     gl.uniform1i(this.uniform("greyWithin"), look.greyWithin);
     gl.uniform4fv(this.uniform("section"), look.section);
-    for (const [name, mode, isOutline, length] of [[triangles, gl.TRIANGLES, 0, count], ["outline", gl.LINES, 1, this.model.outline.length]]) {
+    // lines around faces of a few pixels would hide their colours, as of the squares that stand for a part without CAD
+    const lines = this.model.faceWidth_mm / mm < NARROWEST_PX ? 0 : this.model.outline.length;
+    for (const [name, mode, isOutline, length] of [[triangles, gl.TRIANGLES, 0, count], ["outline", gl.LINES, 1, lines]]) {
       gl.uniform1i(this.uniform("outline"), isOutline);
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.buffers[name]);
       gl.drawElements(mode, length, gl.UNSIGNED_INT, 0);
