@@ -46,6 +46,8 @@ class Session:
     runs : CommandRuns or None
     other : Path or None
         A job beside the open one, to compare with.
+    other_part : Path or None
+        The job of another measured part of the same machine, on which the chain is checked.
     control : str or None
         That the programs are read for, in place of the job's.
     """
@@ -62,6 +64,7 @@ class Session:
         self._shown: dict[Path | None, dict[str, Any]] = {}
         self._kept: KeptResults | None = None
         self.other: Path | None = None
+        self.other_part: Path | None = None
         self._other_model: RemoteModel | None = None
         self.control = control
         self._model: RemoteModel | None = None
@@ -139,7 +142,7 @@ class Session:
             self.runs.close()
         if self.other is not None:
             self.compare_with(None)
-        self.folder, self.own_effects = folder, []
+        self.folder, self.own_effects, self.other_part = folder, [], None
         self.steps.forget()
         self._shown, self._kept = {}, KeptResults(folder.root, folder.root / RESULTS)
         self.runs = CommandRuns(folder.root, self._tell_run)
@@ -305,6 +308,7 @@ class Session:
             "own_effects": [self.folder.name_of(path) for path in self.effect_files],
             "shown": self.shown,
             "other": None if self.other is None else str(self.other),
+            "other_part": None if self.other_part is None else str(self.other_part),
             "steps": self.steps.record(),
         }
 

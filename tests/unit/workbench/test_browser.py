@@ -9,6 +9,8 @@ import json
 import os
 import re
 import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -166,6 +168,23 @@ def test_the_loop_by_keys_alone(tab, folder):
     tab.locator(".card .primary", has_text="Add").first.wait_for(state="detached")
     tab.keyboard.press("Control+y")
     tab.locator(".card .primary", has_text="Add").first.wait_for()
+
+
+def test_the_error_on_another_part_is_watched(tab, folder):
+    """The file beside is another measured part of the machine, which nothing is fitted to."""
+    open_job(tab, "part/job-2.toml")
+    tab.locator("#tab-diagnose").click()
+    tab.get_by_label("Another part").select_option(label="part/odd.toml")
+    tab.wait_for_selector(".mark-other")
+    said = tab.locator(".mark-other title").all_text_contents()
+    words = ["history", "job-2.toml", "--check-job", "odd.toml", "--json", "--picture", "h.png"]
+    told = subprocess.run([sys.executable, "-P", "-m", "vmach", *words], cwd=folder,
+                          capture_output=True, text=True, check=True)  # fmt: skip
+    steps = json.loads(told.stdout)
+    assert said == [f"other part: {step['check_rms_um']:.2f} µm" for step in steps]
+    tab.get_by_label("Another part").select_option(label="none")
+    tab.locator(".mark-other").first.wait_for(state="detached")
+    open_job(tab, "part/job.toml")
 
 
 def agrees_with_the_command(tab, figures):

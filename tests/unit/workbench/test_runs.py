@@ -37,6 +37,7 @@ def bench(measured_folder, tmp_path):
     shutil.copytree(measured_folder, folder, symlinks=True)
     (folder / "lean_y.py").write_text(_LAW)
     job = folder / "job.toml"
+    shutil.copy(job, folder / "before.toml")
     job.write_text(
         job.read_text()
         + '\n[effects.lean_y.Y]\namount_um = 3.0\n\n[[history]]\nprevious = "before.toml"\n'
@@ -116,3 +117,20 @@ def test_a_size_out_of_bounds_is_refused_in_the_words_of_the_page(bench, size):
     assert answer.status_code == 400
     assert "resolution of the control, mm" in answer.json()["error"]
     assert "accepted: 1e-06 .. 0.1" in answer.json()["error"]
+
+
+def test_another_part_is_kept_only_where_it_can_be_evaluated(bench):
+    folder = bench.session.folder.root
+    text = (folder / "job.toml").read_text()
+    (folder / "bare.toml").write_text(text.replace('measured = "points.csv"', ""))
+    (folder / "twin.toml").write_text(text)
+    bench.post("/api/history", {"other_part": "bare.toml"})
+    run = bench.wait_for("history")
+    assert run["state"] == "failed" and "no part was measured" in run["message"]
+    assert bench.session.other_part is None
+    bench.post("/api/history", {"other_part": "twin.toml"})
+    run = bench.wait_for("history")
+    assert run["state"] == "done", run["message"]
+    assert run["result"]["steps"][-1]["check_rms_um"] > 0
+    assert bench.get("/api/state").json()["other_part"].endswith("twin.toml")
+    assert bench.post("/api/history", {"other_part": "/etc/passwd"}).status_code == 400

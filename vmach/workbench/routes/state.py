@@ -21,7 +21,7 @@ from vmach.workbench.recent_jobs import recent_jobs
 from vmach.workbench.samples import sample_jobs
 from vmach.workbench.session import Session
 
-__all__ = ["routes"]
+__all__ = ["offered_job", "routes"]
 
 #: the status of an answer that asks first
 _WOULD_END_WORK = 409
@@ -66,7 +66,7 @@ async def _open(request: Request) -> Response:
     """Open a job that the start page offers, or one of the opened folder."""
     session = session_of(request)
     told = await read_json(request)
-    job = _offered(session, str(told.get("job", "")))
+    job = offered_job(session, str(told.get("job", "")))
     ending = session.work_that_ends_with(job)
     if ending and told.get("ends_work") is not True:
         said = f"{', '.join(ending)} is at work in {session.folder.root}"
@@ -75,7 +75,8 @@ async def _open(request: Request) -> Response:
     return JSONResponse(session.record())
 
 
-def _offered(session, name: str) -> Path:
+def offered_job(session: Session, name: str) -> Path:
+    """A job that the start page offers, or one of the opened folder, by its name."""
     known = [str(path) for path in recent_jobs()] + [one["job"] for one in sample_jobs()]
     here = session.folder or OpenedFolder(Path.cwd().resolve())
     known += [str(path) for path in here.jobs()]
@@ -125,7 +126,7 @@ async def _compare(request: Request) -> Response:
     session = session_of(request)
     session.need_job()
     name = (await read_json(request)).get("job")
-    session.compare_with(None if name is None else _offered(session, str(name)))
+    session.compare_with(None if name is None else offered_job(session, str(name)))
     return JSONResponse(session.record())
 
 

@@ -16,6 +16,7 @@ from vmach.errors import InputError
 from vmach.workbench.command_runs import CommandRun, Done, OutOfDate
 from vmach.workbench.exchange import read_json, session_of
 from vmach.workbench.results import result_place
+from vmach.workbench.routes.state import offered_job
 from vmach.workbench.session import Session, changed_since
 
 __all__ = ["routes"]
@@ -66,7 +67,7 @@ async def _add(request: Request) -> Response:
         found = json.loads(run.output)
         found["is_opened"] = session.open_next(job.parent / Path(found["job"]).name, after=job)
         if found["is_opened"]:
-            _history(session)
+            _history(session, session.other_part)
         return found
 
     words = ["add", job.name, *effects, "--json"]
@@ -105,20 +106,27 @@ async def _kept(session: Session, one: dict[str, Any]) -> list[str]:
 
 
 async def _history_again(request: Request) -> Response:
-    return JSONResponse(_history(session_of(request)).record())
+    """Evaluate the chain, also on another part from now on, where one is named."""
+    session, told = session_of(request), await read_json(request)
+    name, other = told.get("other_part"), session.other_part
+    if "other_part" in told:
+        other = None if name is None else offered_job(session, str(name))
+    return JSONResponse(_history(session, other).record())
 
 
-def _history(session: Session) -> CommandRun:
-    """Evaluate the chain of jobs anew, on what was fitted and on what was held out."""
-    _, job, runs = session.need_job()
+def _history(session: Session, other: Path | None) -> CommandRun:
+    """Evaluate the chain of jobs anew, on what was fitted, what was held out, and another part."""
+    folder, job, runs = session.need_job()
+    checked_on = [] if other is None else ["--check-job", folder.name_of(other)]
     picture = result_place(session, "history.png", is_folder=False)
 
     async def done(run: CommandRun) -> dict[str, Any]:
-        found = {"steps": json.loads(run.output)}
+        session.other_part = other  # one that cannot be read is not asked for again
+        found = {"steps": json.loads(run.output), "other_part": other and str(other)}
         session.show("history", found)
         return found
 
-    words = ["history", job.name, "--json", "--picture", str(picture)]
+    words = ["history", job.name, *checked_on, "--json", "--picture", str(picture)]
     return runs.start(
         "history", _whole_command(session, words), _if_of_now(session, "history", done)
     )

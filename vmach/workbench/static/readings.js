@@ -17,7 +17,8 @@ export function readingsForm(wanted = null) {
   return state.section;
 }
 
-bench.on("part", () => Object.assign(state, { section: null, file: null, wanted: null }));
+// What a verdict asked for had opened it: another job's does not.
+bench.on("part", () => Object.assign(state, { section: null, file: null, isOpen: state.isOpen && !state.wanted, wanted: null }));
 
 function makeForm() {
   const fields = el("div", { class: "choices" }), kind = el("select", { "aria-label": "Instrument" });
