@@ -8,7 +8,7 @@ import pytest
 from tests.unit.workbench.conftest import Page, replace
 
 #: what is written for it: a displacement of Y with the place of X
-_LAW = '''"""Y moves with the place of X."""
+LAW = '''"""Y moves with the place of X."""
 
 from vmach.effects import Effect, along, linear
 
@@ -35,7 +35,7 @@ def bench(measured_folder, tmp_path):
     """The measured job with the own effect in it, which the page knows of."""
     folder = tmp_path / "job"
     shutil.copytree(measured_folder, folder, symlinks=True)
-    (folder / "lean_y.py").write_text(_LAW)
+    (folder / "lean_y.py").write_text(LAW)
     job = folder / "job.toml"
     shutil.copy(job, folder / "before.toml")
     job.write_text(

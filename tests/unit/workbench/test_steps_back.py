@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.unit.workbench.conftest import Page
+from tests.unit.workbench.test_runs import LAW
 from vmach.api.points import predict, surface_points
 from vmach.history.set_values import set_values
 from vmach.workbench.model.part_model import load_part
@@ -158,3 +159,28 @@ def test_a_step_whose_way_is_gone_is_said_once_and_forgotten():
         steps.undo()
     steps.undo()
     assert done == ["back"] and steps.record() == {"undo": None, "redo": "a"}
+
+
+def test_a_known_law_that_was_broken_is_checked_and_its_text_taken_back(bench):
+    folder = bench.session.folder.root
+    good, broken = LAW, LAW.replace("return along", "retrn along")
+    put = lambda text: bench.client.put(  # noqa: E731
+        "/api/effect-file", json={"file": "lean_y.py", "text": text}, headers=bench.headers
+    )
+    assert put(good).is_success
+    bench.post("/api/check-effect", {"file": "lean_y.py"})
+    assert bench.wait_for("check")["state"] == "done"
+    assert put(broken).is_success
+    bench.session.reload()  # as when the watch has noticed it
+    assert bench.get("/api/about").status_code == 400  # the job has a law that cannot be read
+    assert bench.post("/api/check-effect", {"file": "lean_y.py"}).status_code == 200
+    run = bench.wait_for("check")
+    assert run["state"] == "failed" and re.search(r"lean_y\.py:\d+", run["message"])
+    assert bench.post("/api/undo").status_code == 200
+    assert (folder / "lean_y.py").read_text() == good
+    bench.session.reload()
+    assert bench.get("/api/about").status_code == 200
+    (folder / "lean_y.py").write_text(good + "# mine\n")
+    answer = bench.post("/api/redo")
+    assert answer.status_code == 400 and "changed outside the page" in answer.json()["error"]
+    assert (folder / "lean_y.py").read_text() == good + "# mine\n"

@@ -14,7 +14,7 @@ from starlette.routing import Route
 
 from gcode import Source, readable
 from vmach.errors import InputError, VmachError
-from vmach.files.atomic import atomic_file, write_under_free_name
+from vmach.files.atomic import write_under_free_name
 from vmach.files.job_name import free_job_name
 from vmach.workbench.added_readings import job_with_readings
 from vmach.workbench.exchange import read_content, read_json, session_of
@@ -127,22 +127,31 @@ async def _write_effect(request: Request) -> Response:
         raise InputError("file and text", accepted="a Python file and its text")
     path = folder.inside(name)
     before = _text(path) if path.is_file() else None
-    if path in session.effect_files:  # known from before: the user's to change
-        path.write_text(text, encoding="utf-8")
-    else:
-        path = folder.write(name, text.encode())
+    _put_text(session, path, text)
     if before is not None and before != text:
         session.steps.did(Step(
-            f"text of {path.name}", lambda: _put_text(session, path, before),
-            lambda: _put_text(session, path, text),
+            f"text of {path.name}", lambda: _bring_back(session, path, before, after=text),
+            lambda: _bring_back(session, path, text, after=before),
         ))  # fmt: skip
     return JSONResponse({"file": folder.name_of(path)})
 
 
 def _put_text(session: Session, path: Path, text: str) -> None:
-    """Bring back a text of an own effect; tabs that show it read it again."""
-    with atomic_file(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    """Write the file of an own effect: a known one is the user's to change, another is new."""
+    if path in session.effect_files:
+        path.write_text(text, encoding="utf-8")
+    else:
+        folder = session.need_job()[0]
+        folder.write(folder.name_of(path), text.encode())
+
+
+def _bring_back(session: Session, path: Path, text: str, *, after: str) -> None:
+    """Bring back a text of an own effect where `after` stands; tabs that show it read it again."""
+    if path.is_file() and _text(path) != after:
+        raise InputError(
+            "was changed outside the page", file=path.name, hint="its text would be lost: copy it"
+        )
+    _put_text(session, path, text)
     session.events.tell("effect-text", file=session.need_job()[0].name_of(path))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import re
 from collections.abc import Sequence
@@ -15,6 +16,7 @@ from starlette.routing import Route
 from vmach.errors import InputError
 from vmach.workbench.command_runs import CommandRun, Done, OutOfDate
 from vmach.workbench.exchange import read_json, session_of
+from vmach.workbench.model.remote import ModelRefused, ModelStopped
 from vmach.workbench.results import result_place
 from vmach.workbench.routes.state import offered_job
 from vmach.workbench.session import Session, changed_since
@@ -165,7 +167,9 @@ async def _check_effect(request: Request) -> Response:
         session.reload()
         return {"said": run.output, "file": folder.name_of(path)}
 
-    is_measured = (await session.ask("about"))[0]["is_measured"]
+    is_measured = False
+    with contextlib.suppress(ModelRefused, ModelStopped):  # this file may be what is wrong
+        is_measured = (await session.ask("about"))[0]["is_measured"]
     words = ["effects", "check", folder.name_of(path)]
     words += ["--job", job.name] if is_measured else []
     return _start(session, "check", words, done)
