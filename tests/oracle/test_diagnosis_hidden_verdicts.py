@@ -5,6 +5,7 @@ program sees files only. `tests/benchmarks/bench_hidden_effects.py` does the sam
 """
 
 import json
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -15,7 +16,9 @@ from tests.hidden_effects.instruments import INSTRUMENTS
 from tests.hidden_effects.part import PartDesign
 from tests.hidden_effects.state import Hidden
 from tests.hidden_effects.verdict import judge
+from vmach.diagnosis.inference.moves import search, search_beyond
 from vmach.diagnosis.inference.prepare import prepare_weighing
+from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.residuals.job_survey import survey_job
 
 NOISE_UM = 0.8
@@ -235,6 +238,29 @@ def test_sets_that_no_single_exchange_leads_to_are_found(tmp_path, effects, seed
     # what these floors cannot tell apart makes one class of each larger than is useful, and chance
     # may speak for one more: all that are there have to be told
     assert found.outcome in ("right", "class", "vague", "extra"), found.said
+
+
+def test_all_pairs_that_could_stand_in_the_place_of_one_effect_are_tried(tmp_path):
+    """A tool that is too long, and slips, makes all but the heights of a slow drift along Z."""
+    hidden = ["tool_length", "quadrant_glitch", "missing_table", "tool_slip"]
+    make_experiment(tmp_path, effects=hidden, seed=69054001, noise="device_scale")
+    whole = prepare_weighing(survey_job(tmp_path / "job.toml"))
+    of_height = {"ambient_drift Z", "scale Z", "spindle_growth Z", "axis_expansion Z"}
+    of_tools = {f"{name} T{k}" for name in ("tool_length", "tool_slip") for k in (1, 2)}
+    labels = {"component ECX", "quadrant_glitch Y"} | of_height | of_tools
+    weighing = whole.with_candidates([c for c in whole.candidates if c.label in labels])
+    found = search_beyond(weighing, search(weighing, weighing.nothing()))
+    assert {"component ECX", "quadrant_glitch Y", "tool_slip T1"} < found.labels
+    for k in range(len(found.terms)):
+        others = weighing.without(found, [k], resize=False)
+        for pair in combinations(sorted(labels - found.labels), 2):
+            both = others
+            for label in pair:
+                both = weighing.extend(both, weighing.index_of(label))
+            alone = [weighing.extend(others, weighing.index_of(label)) for label in pair]
+            is_idle = both.score < max(one.score for one in alone) + 0.5
+            if both.score > found.score - CLEARLY and not is_idle:
+                assert both.score < found.score + 0.5 and both.labels in weighing.tried
 
 
 @pytest.mark.parametrize(

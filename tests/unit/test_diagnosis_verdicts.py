@@ -384,7 +384,8 @@ def test_a_class_is_the_fewest_effects_that_hold_99_per_cent():
 def sets_instead(scores, label, alone=()):
     """What takes the place of an effect, and of which, in sets of given scores."""
     weighing = SimpleNamespace(tried={frozenset(labels): s for labels, s in scores.items()})
-    found = other_sets(weighing, label, dict(alone))
+    best = SimpleNamespace(labels=max(weighing.tried, key=weighing.tried.get))
+    found = other_sets(weighing, best, label, dict(alone))
     return [("".join(sorted(one.without)), "".join(sorted(one.instead))) for one in found]
 
 
@@ -392,6 +393,15 @@ def test_effects_of_a_set_that_explains_as_much_belong_to_the_class():
     scores = {"ab": -10.0, "acd": -13.0, "ae": -16.0, "abg": -11.0, "a": -12.0}
     assert sets_instead(scores, "b") == [("b", "cd")]
     assert sets_instead(scores, "a") == []
+
+
+def test_sets_are_told_of_what_was_found_where_another_is_a_little_more_probable():
+    """The search goes on only where that makes the whole more probable by half."""
+    weighing = SimpleNamespace(tried={frozenset("ab"): -10.2, frozenset("acd"): -10.0})
+    told = SimpleNamespace(labels=frozenset("ab"))
+    (one,) = other_sets(weighing, told, "b", {})
+    assert (one.instead, one.odds) == ({"c", "d"}, pytest.approx(0.2))
+    assert other_sets(weighing, SimpleNamespace(labels=frozenset("x")), "x", {}) == ()
 
 
 def test_one_effect_may_stand_for_two():
@@ -486,14 +496,36 @@ def test_what_is_less_probable_than_nothing_is_no_rival():
     weighing = SimpleNamespace(
         candidates=[SimpleNamespace(label=n, effect=effect) for n in labels],
         gains=lambda _: gains,
-        without=lambda *_, **__: SimpleNamespace(labels=frozenset()),
+        without=lambda *_, **__: SimpleNamespace(terms=(), score=0.0),
+        extend=lambda _, k, **__: SimpleNamespace(fit=None, score=gains[k]),
         tried={frozenset(["e0"]): 4.0},
         index_of=labels.index,
     )
     term = SimpleNamespace(label="e0", effect=effect)
-    explanation = SimpleNamespace(fit=SimpleNamespace(terms=(term,)))
+    explanation = SimpleNamespace(
+        fit=SimpleNamespace(terms=(term,)), score=4.0, labels=frozenset(["e0"])
+    )
     assert len(credible(gains)) > 1
     assert rivals_of(weighing, explanation, 0).names == ("e0",)
+
+
+def test_a_rival_is_weighed_as_it_fits_and_not_as_it_is_estimated():
+    """What its own law leaves open is in no estimate, nor is a size that nature does not have."""
+    labels, scores = ["a", "exact", "huge", "far"], [9.0, 8.4, -1700.0, -9.0]
+    effect = SimpleNamespace(
+        name="a", signature="", parameters=(), is_sudden=False, is_never_exact=False
+    )
+    weighing = SimpleNamespace(
+        candidates=[SimpleNamespace(label=n, effect=effect) for n in labels],
+        gains=lambda _: np.array([9.0, -20.0, 8.5, -30.0]),
+        without=lambda *_, **__: SimpleNamespace(terms=(), score=0.0),
+        extend=lambda _, k, **__: SimpleNamespace(fit=None, score=scores[k]),
+        tried={},
+        index_of=labels.index,
+    )
+    term = SimpleNamespace(label="a", effect=effect)
+    found = SimpleNamespace(fit=SimpleNamespace(terms=(term,)), score=9.0, labels={"a"})
+    assert rivals_of(weighing, found, 0).labels == ("a", "exact")
 
 
 def test_an_effect_that_leaves_all_to_its_helpers_is_no_rival():
@@ -511,17 +543,20 @@ def test_an_effect_that_leaves_all_to_its_helpers_is_no_rival():
         for label, column in zip(labels, columns, strict=True)
     ]
     others = SimpleNamespace(
-        labels=frozenset(), posterior=SimpleNamespace(whiten=lambda columns: columns)
+        terms=(), score=0.0, posterior=SimpleNamespace(whiten=lambda columns: columns)
     )
+    gains = np.array([9.0, -9.0, -9.0, -9.0])
     weighing = SimpleNamespace(
         candidates=candidates,
-        gains=lambda _: np.array([9.0, -9.0, -9.0, -9.0]),
+        gains=lambda _: gains,
         without=lambda *_, **__: others,
+        extend=lambda _, k, **__: SimpleNamespace(fit=None, score=gains[k]),
         tried={frozenset(labels[:1]): 9.0},
         index_of=labels.index,
     )
     fit = SimpleNamespace(terms=candidates[:1], explained_mm=lambda _: 5.0 * readings[0])
-    rivals = rivals_of(weighing, SimpleNamespace(fit=fit), 0)
+    found = SimpleNamespace(fit=fit, score=9.0, labels=frozenset(labels[:1]))
+    rivals = rivals_of(weighing, found, 0)
     assert rivals.names == ("spindle_growth", "tool_length")
 
 
@@ -553,6 +588,28 @@ def test_scatter_that_knows_the_axes_is_no_noise(tmp_path, along_y, is_told):
     _, (beside_x, beside_y) = where_they_act_um(weighing, both, 2)
     assert beside_x < 0.3
     assert beside_y == pytest.approx(0.5 * np.sqrt(along_y**2 - 1.0), abs=0.3)
+
+
+def test_what_wanders_in_time_is_a_doubt_about_effects_that_do(tmp_path):
+    """A slow rest is no leaving of lost motion, whose sides come in an order of chance."""
+
+    def wandering(q, side, time):
+        return lost_motion(q, side, time) + 4.0 * np.sin(time / 110.0)[:, None]
+
+    effects = [catalogue()[name] for name in ("backlash", "ambient_drift")]
+    weighing = prepare_weighing(survey_job(tip_job(tmp_path, wandering)), effects)
+    play, drift = (
+        weighing.extend(weighing.small(), weighing.index_of(label), resize=False)
+        for label in ("backlash X", "ambient_drift XYZ")
+    )
+    sizes = weighing.resized(play, play.posterior.sizes).posterior.sizes
+    shares = []
+    for one in (play, drift):
+        here = weighing.explain(one.terms, sizes, refine=False, resize=False)
+        _, (rest,) = where_they_act_um(weighing, here, 1)
+        shares.append(rest / remains_um(weighing, here))
+    # sides in an order of chance are a wandering as far as that has columns for the readings
+    assert shares[0] < 0.5 and shares[1] > 0.8
 
 
 def test_readings_that_stand_apart_are_told_by_the_others_where_they_are_few():

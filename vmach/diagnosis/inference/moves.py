@@ -34,6 +34,8 @@ _TRIED = 3
 _MORE = 6
 #: pairs that are fitted in the place of one effect; twelve that helped were among the first three
 _PAIRS = 6
+#: candidates that are tried as the first of two; of four that had to be, the last was the 18th
+_FIRSTS = 30
 #: log odds by which one may lie behind the effect whose place it takes; in none of a few hundred
 #: refits did one from further behind catch up
 _NEAR = 6.0
@@ -43,9 +45,6 @@ _BEHIND = 20.0
 #: share of what an effect stands for that the first of two in its place takes alone, at least;
 #: chosen: half of an even split. It saves fits; whatever passes is weighed by the readings
 _SHARE = 0.25
-#: cosine of what two candidates would take of the readings from which on one of them is tried:
-#: 96 % of the variance; at 90 % a curve hid a play on a part that was looked at
-_SAME = 0.98
 #: decimals of a score; beyond them rounding would choose among tools that cannot be told apart
 _TIE = 5
 #: effects at most that fill a discrepancy; with twelve 99 searches that were looked at ended alike
@@ -244,26 +243,29 @@ def _filled_up(
 def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     """Two effects in place of one that stands for both, found beside members as they start."""
     for start in _starts(here):
-        splits = (s for s in _splits(weighing, start) if s[0] > start.score - _NEAR)
-        for _, one, j in sorted(splits, key=lambda s: -round(s[0], _TIE))[:_PAIRS]:
-            yield weighing.extend(one, j)
+        least = start.score - (2.0 * _NEAR if start is here else 0.0)
+        for k in range(len(here.terms)):
+            others = weighing.without(start, [k], resize=False)
+            for i, j in _pairs_instead(weighing, others, least):
+                one = weighing.extend(others, i, refine=False, resize=False)
+                yield weighing.extend(one, j)
 
 
-def _splits(weighing: Weighing, here: Explanation) -> Iterator[tuple[float, Explanation, int]]:
-    """Two effects in place of one: about which score, with the first of them, and the second."""
-    for k in range(len(here.terms)):
-        others = weighing.without(here, [k], resize=False)
-        gains = weighing.gains(others)
-        worth = _SHARE * (here.score - others.score) - _NEAR
-        for i in _unlike(weighing, others, _ranked(weighing, gains, here.labels), 2 * _TRIED):
-            if gains[i] < worth:
-                break
-            one = weighing.extend(others, i, refine=False, resize=False)
-            further = weighing.gains(one)
-            # what was there may be another of the two, elsewhere than where it stood for both
-            ranked = _ranked(weighing, further, others.labels | one.labels)
-            for j in _unlike(weighing, one, ranked, _TRIED):
-                yield one.score + further[j], one, j
+def _pairs_instead(
+    weighing: Weighing, others: Explanation, least: float
+) -> Iterator[tuple[int, int]]:
+    """Two candidates beside others that are worth a fit, the most probable first; none is idle."""
+    alone, curves = weighing.gains(others), {c.label for c in weighing.candidates if c.is_curve}
+    leading = _ranked(weighing, alone, others.labels | curves)[:_FIRSTS]
+    odds = weighing.pair_gains(others, leading)
+    odds[odds <= np.maximum.outer(alone, alone)] = -np.inf
+    odds = np.round(np.maximum(odds, odds.T), _TIE)
+    odds[np.tril_indices(len(odds))] = -np.inf
+    for at in np.argsort(-odds, axis=None, kind="stable")[:_PAIRS]:
+        i, j = divmod(int(at), len(odds))
+        if others.score + odds[i, j] < least:
+            return
+        yield i, j
 
 
 def _starts(here: Explanation) -> Iterator[Explanation]:
@@ -295,20 +297,6 @@ def _ranked(weighing: Weighing, gains: np.ndarray, but: AbstractSet[str]) -> lis
     """Candidates, the most probable first."""
     order = np.argsort(-np.round(gains, _TIE), kind="stable")
     return [k for k in order if weighing.candidates[k].label not in but]
-
-
-def _unlike(
-    weighing: Weighing, here: Explanation, ranked: Sequence[int], most: int
-) -> Iterator[int]:
-    """The first candidates that would not take the same of what an explanation leaves."""
-    taken: list[np.ndarray] = []
-    for k in ranked:
-        own = weighing.would_take(k, here)
-        if all(abs(float(own @ other)) < _SAME for other in taken):
-            yield k
-            taken.append(own)
-        if len(taken) == most:
-            return
 
 
 def _leading(

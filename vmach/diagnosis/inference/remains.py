@@ -10,7 +10,9 @@ from numpy.linalg import norm
 from vmach.base.units import um_from_mm
 from vmach.diagnosis.inference.rules import CLEARLY, STRUCTURE, TRUST
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
+from vmach.fit.noise.discrepancy import TIME
 from vmach.fit.noise.measuring_machine import CLAMPINGS, DRIFT, WARMING
+from vmach.fit.whitening import orthonormal
 
 __all__ = [
     "OF_DEVICE",
@@ -92,12 +94,13 @@ def where_they_act_um(
     imitation leaves structure, and single readings have scatter of their own; but scatter that
     knows the axes is the machine's. Nor is what other terms do a rest; but one that follows the
     travel of an axis is a doubt about an effect that does, where it acts most where that does: the
-    mean of such a cause is an effect of motion beside its form. What remains as offsets of an
-    instrument's runs, as its zero wanders, is a doubt about an effect as far as that does so too.
+    mean of such a cause is an effect of motion beside its form. What remains as a wandering in
+    time, or as offsets of an instrument's runs, is a doubt about an effect as far as that is one.
     """
     every = [um_from_mm(own) for own in effects_mm(weighing, found)]
     left, terms = um_from_mm(remains_mm(weighing, found)), found.terms
-    zeros = weighing.survey.zeros_of_runs(left)
+    wandering, of_wandering = _in_time(weighing, found)
+    zeros = weighing.survey.zeros_of_runs(left - wandering)
     uneven = _uneven(weighing, found) * usual_u_um(weighing) ** 2
     sizes, rests = [], []
     for term, own in zip(terms[:count], every, strict=False):
@@ -105,10 +108,21 @@ def where_they_act_um(
         moved = [o for t, o in beside if t.travel_axes & term.travel_axes]
         alike = [o for o in moved if _rms_where(o, own) > np.sqrt(np.mean(o**2))]
         as_zeros = norm(weighing.survey.zeros_of_runs(own)) / max(norm(own), 1e-300)
-        rest = sum(alike, left) - (1.0 - as_zeros) * zeros
+        in_time = norm(of_wandering.T @ own) / max(norm(own), 1e-300)
+        rest = sum(alike, left) - (1.0 - in_time) * wandering - (1.0 - as_zeros) * zeros
         sizes.append(_rms_where(own, own))
         rests.append(_rms_where(np.sqrt(rest**2 + uneven), own))
     return sizes, rests
+
+
+def _in_time(weighing: Weighing, found: Explanation) -> tuple[np.ndarray, np.ndarray]:
+    """What remains as a wandering in time, (n,) um, and orthonormal columns of all that is one."""
+    members = weighing.members
+    if TIME not in members.names:
+        return np.zeros(len(weighing.survey)), np.zeros((len(weighing.survey), 0))
+    columns = members.columns_mm[members.names.index(TIME)]
+    beside = orthonormal(columns - weighing.survey.aligned(columns))
+    return um_from_mm(taken_mm(weighing, found, [TIME])), beside
 
 
 def _rms_where(values: np.ndarray, effect: np.ndarray) -> float:

@@ -368,19 +368,22 @@ class Weighing:
         evidence = self.evidence(explanation)
         return evidence.log_factor[:, 0] + self.priors.beside(self._count(explanation.terms))
 
-    def pair_gains(self, explanation: Explanation) -> np.ndarray:
+    def pair_gains(
+        self, explanation: Explanation, firsts: Sequence[int] | None = None
+    ) -> np.ndarray:
         """Log odds of every two candidates beside an explanation, at its sizes, (C, C).
 
         They only say what is worth a fit: the first, in rows, is at its best place. Minus infinity
-        for curves, and for what is there.
+        for curves, and for what is there; and for rows that are not asked, where some are.
         """
         gains, count = self.gains(explanation), self._count(explanation.terms)
         odds = np.full((len(gains),) * 2, -np.inf)
-        asked = [
+        free = [
             k
             for k, c in enumerate(self.candidates)
             if c.label not in explanation.labels and not c.is_curve
         ]
+        asked = free if firsts is None else list(firsts)
         if not asked:
             return odds
         firsts = [self.base.columns(self._at_best(k, explanation)) for k in asked]
@@ -388,7 +391,7 @@ class Weighing:
         beside = [self.priors.beside(count + more) for more in (0, 1)]
         for k in asked:
             odds[k] += gains[k] + beside[int(self.priors.is_counted[k])]
-        odds[:, np.setdiff1d(np.arange(len(gains)), asked)] = -np.inf
+        odds[:, np.setdiff1d(np.arange(len(gains)), free)] = -np.inf
         np.fill_diagonal(odds, -np.inf)
         return odds
 
@@ -398,24 +401,13 @@ class Weighing:
         width = WIDTHS[evidence.best_width[k, 0]]
         return width * self.candidates[k].signatures_mm[:, evidence.best[k, 0]]
 
-    def _fitted_at_best(
-        self, k: int, explanation: Explanation, left: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """White columns of candidate k at its best place, (r, K), and what fits white readings."""
-        evidence = self.evidence(explanation)
+    def fitted_alone(self, k: int) -> tuple[Term, np.ndarray]:
+        """Candidate k fitted alone at its best place: the term and its coefficients (K,)."""
+        evidence = self.evidence(self.alone)
         white = self.base.white(self.candidates[k].signatures_mm[:, evidence.best[k, 0]])
         prior = np.eye(white.shape[1]) / WIDTHS[evidence.best_width[k, 0]] ** 2
-        return white, np.linalg.solve(white.T @ white + prior, white.T @ left)
-
-    def would_take(self, k: int, explanation: Explanation) -> np.ndarray:
-        """What candidate k, fitted to what an explanation leaves, would take, (r,) of unit size."""
-        white, amounts = self._fitted_at_best(k, explanation, explanation.posterior.left)
-        taken = white @ amounts
-        return taken / max(float(np.linalg.norm(taken)), 1e-300)
-
-    def fitted_alone(self, k: int) -> tuple[Term, np.ndarray]:
-        """Candidate k fitted alone: the term and its coefficients (K,)."""
-        return self.term(k, self.alone), self._fitted_at_best(k, self.alone, self.base.y)[1]
+        amounts = np.linalg.solve(white.T @ white + prior, white.T @ self.base.y)
+        return self.term(k, self.alone), amounts
 
     def alone_mm(self, k: int) -> np.ndarray:
         """What candidate k does to the readings when it is fitted alone, (n,) mm."""

@@ -31,9 +31,10 @@ from vmach.fit.whitening import condensed, orthonormal
 from vmach.measurements import Measurement
 from vmach.path.circumstances import Circumstances
 
-__all__ = ["Members", "members_of"]
+__all__ = ["TIME", "Members", "members_of"]
 
-_TIME = "time"
+#: name of what wanders in time
+TIME = "time"
 #: bends that a wandering makes in the time of a measurement
 _WAVES_IN_TIME = 6.0
 #: size, as a multiple of the noise that readings show, from which on a wandering in time is
@@ -102,7 +103,7 @@ class Members:
         several clampings, as in one: no shift is less likely than another.
         """
         usual = [np.inf if name == CLAMPINGS else USUAL_SIZE for name in self.names]
-        limits = [_NO_DRIFT if name == _TIME else np.inf for name in self.names]
+        limits = [_NO_DRIFT if name == TIME else np.inf for name in self.names]
         return np.array(usual), np.array(limits)
 
 
@@ -127,7 +128,7 @@ def members_of(survey: Survey, plain_mm: np.ndarray | None = None, *, kept: floa
     found = {
         **{name: unit * columns for name, columns in _offsets(survey).items()},
         "form": unit * _seen(_forms(survey)),
-        _TIME: _told_apart(survey, unit * _in_time(survey)),
+        TIME: _told_apart(survey, unit * _in_time(survey)),
         "places": unit * _places(survey),
         "reversals": unit * _reversals(survey),
         "field": _told_apart(survey, _beyond(survey, unit * _field(survey), plain_mm, kept)),
