@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 from scipy.special import logsumexp
 
-from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes
+from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.effects import catalogue
@@ -156,12 +156,17 @@ def _gains_instead(
     taken = [weighing.index_of(term.label) for term in others.terms]
     gains[taken] = -np.inf
     gains[weighing.index_of(label)] = explanation.score - others.score
+    before = _impossible(explanation)
     for i in np.argsort(-gains)[:_FITTED]:
         if weighing.candidates[i].label != label:
             one = weighing.extend(others, i, resize=False)
-            is_impossible = one.fit is not None and has_impossible_sizes(one.fit)
-            gains[i] = -np.inf if is_impossible else one.score - others.score
+            gains[i] = one.score - others.score if _impossible(one) <= before else -np.inf
     return gains
+
+
+def _impossible(one: Explanation) -> set[str]:
+    """Names and targets of effects with a size that nature has not."""
+    return {one.terms[k].label for k in impossible_terms(one.fit)} if one.fit else set()
 
 
 def _jointly(
