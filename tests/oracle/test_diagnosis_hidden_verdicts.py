@@ -400,7 +400,7 @@ def test_an_effect_and_a_form_together_foretell_another_part(
 
 
 def test_a_form_takes_the_place_of_an_imitation_and_leaves_what_is_there(tmp_path):
-    """A worn guide imitates the beat of a chiller; with a head that tilts it does so no better."""
+    """A worn guide imitates the beat of a chiller."""
     make_experiment(tmp_path, effects=["fixture", "chiller"], seed=7610006)
     report, _ = program_runs.diagnose(tmp_path)
     assert report["verdict"] == "partly"
