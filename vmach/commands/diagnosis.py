@@ -25,6 +25,7 @@ from vmach.commands.options import (
     tell_doubts,
     typed,
 )
+from vmach.errors import InputError
 from vmach.files.atomic import atomic_file, check_folder, check_outputs
 from vmach.files.ending import check_ending
 from vmach.files.together import together
@@ -249,12 +250,15 @@ def _values(effect: NamedEffect) -> str:
 def set_job_values(
     job: JobPath,
     values: Annotated[
-        list[str],
+        list[str] | None,
         typer.Argument(
             metavar="NAME=VALUE...",
             help="backlash:Y.reversal_um=5, EXX=TABLE.csv or EXX.measured_at_mm=X,Y,Z",
         ),
-    ],
+    ] = None,
+    effects_of: Annotated[
+        Path | None, typer.Option(help="job of another part, whose effects JOB is to have")
+    ] = None,
     out: Annotated[Path | None, typer.Option("-o", "--out", help="job file to write")] = None,
     effect_file: OwnEffects = None,
     as_json: AsJson = False,
@@ -265,7 +269,10 @@ def set_job_values(
     _load(effect_file)
     check_outputs([out])
     check_ending(out, [".toml"], what="a job")
-    written, machine = set_values(job, values, out=out)
+    if effects_of is not None:
+        _take_effects(effects_of, job, values, out=out, as_json=as_json)
+        return
+    written, machine = set_values(job, values or [], out=out)
     if as_json:
         told = {"job": str(written), "machine": machine and str(machine)}
         print(json.dumps(told))
@@ -273,6 +280,28 @@ def set_job_values(
     print(f"{written} has the new values; {job} is unchanged")
     if machine is not None:
         print(f"its machine is {machine}")
+
+
+def _take_effects(
+    other: Path, job: Path, values: list[str] | None, *, out: Path | None, as_json: bool
+) -> None:
+    """Write a job with the effects of another part's, and tell which these are."""
+    from vmach.history.taken_effects import take_effects_of
+
+    if values:
+        raise InputError(
+            f"--effects-of, and {values[0]}",
+            accepted="either of them",
+            hint="set the values of the job that has the effects",
+        )
+    written, taken, left = take_effects_of(other, job, out=out)
+    if as_json:
+        left_out = [{"effect": one.label, "why": one.why} for one in left]
+        print(json.dumps({"job": str(written), "effects": list(taken), "left_out": left_out}))
+        return
+    print(f"{written} has {', '.join(taken)}, as {other}; {job} is unchanged")
+    for one in left:
+        print(f"left out: {one.label}: {one.why}")
 
 
 def history(

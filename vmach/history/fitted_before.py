@@ -19,7 +19,14 @@ from vmach.history.job_text import checked_job, parsed_job, take_fits
 from vmach.job import Job, read_job
 from vmach.job.path_keys import change_paths
 
-__all__ = ["Key", "fitted_before", "is_there", "without_effects", "without_tables"]
+__all__ = [
+    "Key",
+    "fitted_before",
+    "is_there",
+    "take_effects",
+    "without_effects",
+    "without_tables",
+]
 
 #: name and target of an effect
 Key = tuple[str, str]
@@ -72,7 +79,7 @@ def without_effects(job: Job, keys: Collection[Key]) -> Job:
     """The job without some of its effects, and what was left open of them."""
     effects = dict(job.effects)
     effects |= {name: dict(effects[name]) for name, _ in keys}
-    _take_effects(effects, keys)
+    take_effects(effects, keys)
     return replace(
         job,
         effects=effects,
@@ -100,13 +107,13 @@ def without_tables(text: str, keys: Collection[Key], *, file: Path) -> str:
 
 
 def _take_tables(data: MutableMapping[str, Any], keys: Collection[Key]) -> None:
-    _take_effects(data["effects"], keys)
+    take_effects(data["effects"], keys)
     if not data["effects"]:
         del data["effects"]
     take_fits(data, keys)
 
 
-def _take_effects(effects: MutableMapping[str, Any], keys: Collection[Key]) -> None:
+def take_effects(effects: MutableMapping[str, Any], keys: Collection[Key]) -> None:
     """Take effects out of the table of all; one has a table of its own, or that of its name."""
     for name, target in keys:
         table = effects[name]
