@@ -59,6 +59,10 @@ class _Finding(Output):
     """In words, as are the next two."""
     confirm: str = ""
     cure: str = ""
+    title: str = ""
+    """Effect and target, for people."""
+    remark: str | None = None
+    """What a curve of points on a part is relative to; null for all else."""
 
 
 class _Candidate(Output):
