@@ -16,7 +16,7 @@ import pytest
 from tests.small_job import measurement, write_job, write_table
 from vmach.diagnosis.diagnose import diagnose, not_followed
 from vmach.diagnosis.findings import Finding
-from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossible_size_notes
+from vmach.diagnosis.gates.impossible_sizes import impossible_size_notes, impossible_terms
 from vmach.diagnosis.inference import moves, verdicts
 from vmach.diagnosis.inference.noise import noise_before
 from vmach.diagnosis.inference.prepare import prepare_weighing
@@ -311,7 +311,7 @@ def test_what_makes_an_effect_has_to_be_there():
                 parameters=lambda k, v=value: v,
                 uncertainty=lambda k, v=value: dict.fromkeys(v, 1.0),
             )
-            assert has_impossible_sizes(fit) == is_none
+            assert bool(impossible_terms(fit)) == is_none
 
 
 def test_the_next_program_says_how_its_readings_come_back(tmp_path):
@@ -433,15 +433,24 @@ def test_effects_that_come_near_each_other_are_counted_together():
         index_of="abcd".index,
         gains=lambda _: gains,
         without=lambda *_, **__: None,
+        tried={},
     )
     found = SimpleNamespace(
-        terms=[SimpleNamespace(label="a"), SimpleNamespace(label="d")], labels={"a", "d"}
+        terms=[SimpleNamespace(label="a"), SimpleNamespace(label="d")],
+        labels={"a", "d"},
+        score=20.0,
     )
     more, prior = in_its_place(weighing, found, 0)
     whole = 2.0 + np.exp(-1.0)
     assert more == pytest.approx(np.log(whole))
     # one of the three is what machines often have
     assert prior == pytest.approx(np.log((1.0 + np.exp(4.0) + np.exp(-1.0)) / whole))
+    # one was tried with the others fitted to it; what does more, or less, is another matter
+    weighing.tried = {
+        frozenset(tried): score
+        for tried, score in {"ad": 20.0, "cd": 20.5, "bd": 3.0, "bcd": 25.0, "ab": 25.0}.items()
+    }
+    assert in_its_place(weighing, found, 0)[0] == pytest.approx(np.log(2.0 + np.exp(0.5)))
 
 
 def judged_by(monkeypatch, labels, odds_of, scores=()):
@@ -724,6 +733,28 @@ def test_a_share_of_tables_that_no_control_has_is_not_told(tmp_path):
     assert "error_tables" not in {finding.name for finding in found.findings}
 
 
+def test_a_size_is_impossible_for_the_search_as_it_is_for_the_verdict(tmp_path, monkeypatch):
+    """What laws leave open counts as uncertainty there; else none would take the effect's place."""
+    weighing = prepare_weighing(survey_job(tip_job(tmp_path, stretched_and_loose, count=150)))
+    wrong = weighing.extend(weighing.nothing(), weighing.index_of("component EXX"))
+    careful = weighing.careful(wrong)
+    monkeypatch.setattr(moves, "impossible_terms", lambda fit: [0] if fit is careful else [])
+    assert moves.search_possible(weighing, wrong).labels == {"scale X", "backlash Y"}
+
+
+def test_sets_that_were_tried_count_beside_slightly_other_noise(tmp_path):
+    weighing = prepare_weighing(
+        survey_job(tip_job(tmp_path, lost_motion)), [catalogue()["backlash"]]
+    )
+    found = weighing.extend(weighing.nothing(), weighing.index_of("backlash X"))
+    weighing.tried = {found.labels: -3.0, frozenset(["backlash Y"]): -5.0}
+    other = weighing.with_noise(replace(weighing.base.noise, share=0.5))
+    assert not other.tried
+    told = other.remembered_as(weighing, replace(found))
+    assert told.labels == found.labels and other.tried[found.labels] == found.score
+    assert other.tried[frozenset(["backlash Y"])] == pytest.approx(found.score - 2.0)
+
+
 def test_what_stands_for_two_with_an_impossible_size_gives_way_to_both(tmp_path, monkeypatch):
     """Neither of them alone comes near it."""
     weighing = prepare_weighing(survey_job(tip_job(tmp_path, stretched_and_loose, count=150)))
@@ -733,6 +764,5 @@ def test_what_stands_for_two_with_an_impossible_size_gives_way_to_both(tmp_path,
         return [k for k, term in enumerate(fit.terms) if term.label == "component EXX"]
 
     monkeypatch.setattr(moves, "impossible_terms", impossible)
-    monkeypatch.setattr(moves, "has_impossible_sizes", lambda fit: bool(impossible(fit)))
     found = moves.search_possible(weighing, wrong)
     assert found.labels == {"scale X", "backlash Y"}

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from vmach.diagnosis.findings import Finding
     from vmach.diagnosis.named_fit import NamedEffect
 
-__all__ = ["has_impossible_sizes", "impossible_size_notes", "impossible_terms"]
+__all__ = ["impossible_size_notes", "impossible_terms"]
 
 #: beyond a bound by so many standard uncertainties
 _SURELY = 3.0
@@ -43,16 +43,8 @@ def impossible_size_notes(findings: Iterable[Finding | NamedEffect]) -> tuple[No
     return tuple(notes)
 
 
-def has_impossible_sizes(fit: JointFit) -> bool:
-    """Whether nature does not have a size in a fit, or what makes the effect is not there.
-
-    A search need not follow it.
-    """
-    return bool(impossible_terms(fit))
-
-
 def impossible_terms(fit: JointFit) -> list[int]:
-    """Numbers of the terms of which that is so."""
+    """Numbers of the terms with a size that nature does not have, or without what makes them."""
     return [k for k in range(len(fit.terms)) if _is_impossible(fit, k)]
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from vmach.diagnosis.gates.impossible_sizes import has_impossible_sizes, impossible_terms
+from vmach.diagnosis.gates.impossible_sizes import impossible_terms
 from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.fit.sizes import Sizes
@@ -87,14 +87,14 @@ def search_possible(weighing: Weighing, here: Explanation) -> Explanation:
 
     It is taken where it is not clearly less probable than one with an impossible size.
     """
-    if _is_possible(here):
+    if _is_possible(weighing, here):
         return here
-    found = filter(_is_possible, _near_impossible(weighing, here))
+    found = (e for e in _near_impossible(weighing, here) if _is_possible(weighing, e))
     best = _best(weighing, found, here.score - CLEARLY)
     if best is None:
         return here
     further = _led_on(weighing, best, (_exchanged,))
-    return further if _is_possible(further) else best
+    return further if _is_possible(weighing, further) else best
 
 
 def _led_on(weighing: Weighing, here: Explanation, moves: Sequence[_Move]) -> Explanation:
@@ -118,19 +118,23 @@ def _best(weighing: Weighing, found: Iterator[Explanation], than: float) -> Expl
 
 def _remembered(weighing: Weighing, tried: Explanation) -> Explanation:
     """An explanation, noted among those that were tried where nature has such sizes."""
-    return weighing.remembered(tried) if _is_possible(tried) else tried
+    is_possible = tried.fit is None or not impossible_terms(tried.fit)
+    return weighing.remembered(tried) if is_possible else tried
 
 
-def _is_possible(tried: Explanation) -> bool:
-    return tried.fit is None or not has_impossible_sizes(tried.fit)
+def _is_possible(weighing: Weighing, here: Explanation) -> bool:
+    """Whether nature has its sizes, as they are judged."""
+    fit = weighing.careful(here)
+    return fit is None or not impossible_terms(fit)
 
 
 def _near_impossible(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     """One effect more of many, as what is missing hides; others in place of an impossible size."""
     for k in _ranked(weighing, weighing.gains(here), here.labels)[:_MORE]:
         yield weighing.extend(here, k)
-    assert here.fit is not None
-    impossible = {here.terms[k].label: k for k in impossible_terms(here.fit)}
+    fit = weighing.careful(here)
+    assert fit is not None
+    impossible = {here.terms[k].label: k for k in impossible_terms(fit)}
     for gone in impossible.values():
         others = weighing.without(here, [gone], resize=False)
         for k in _leading(weighing, others, here.labels):

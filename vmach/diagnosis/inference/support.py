@@ -137,11 +137,14 @@ def in_its_place(weighing: Weighing, found: Explanation, k: int) -> tuple[float,
     float
         Log odds beforehand that the machine has the one that is there: a mean over all of them.
     """
-    own = weighing.index_of(found.terms[k].label)
-    gains = weighing.gains(weighing.without(found, [k], resize=False))
-    rivals = [i for i, c in enumerate(weighing.candidates) if c.label not in found.labels]
-    every = [weighing.candidates[i] for i in (own, *rivals)]
-    beside = np.array([0.0, *(gains[rivals] - gains[own])])
-    total = float(logsumexp(beside))
-    prior = np.array([weighing.prior_of(c.effect, c.target) for c in every])
-    return total, float(logsumexp(beside + prior) - total)
+    own, others = found.terms[k].label, weighing.without(found, [k], resize=False)
+    beside = (gains := weighing.gains(others)) - gains[weighing.index_of(own)]
+    # as it was fitted with the others, which may be elsewhere then
+    for one, score in weighing.tried.items():
+        if found.labels - one == {own} and len(new := one - found.labels) == 1:
+            i = weighing.index_of(*new)
+            beside[i] = max(beside[i], score - found.score)
+    there = [i for i, c in enumerate(weighing.candidates) if c.label not in found.labels - {own}]
+    total = float(logsumexp(beside[there]))
+    prior = np.array([weighing.prior_of(c.effect, c.target) for c in weighing.candidates])
+    return total, float(logsumexp((beside + prior)[there]) - total)

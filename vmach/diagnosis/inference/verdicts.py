@@ -259,7 +259,8 @@ def _settled(
             break
         # another noise may make needless what stood for it
         found = without_needless(weighing, found)
-        found = found if led_from == labels == found.labels else lead_on(weighing, found)
+        is_same = led_from == labels == found.labels
+        found = weighing.remembered_as(before, found) if is_same else lead_on(weighing, found)
         led_from = labels
     return weighing, found
 

@@ -317,6 +317,12 @@ class Weighing:
         self.tried[explanation.labels] = max(before, explanation.score)
         return explanation
 
+    def remembered_as(self, before: Weighing, found: Explanation) -> Explanation:
+        """An explanation, noted with sets that were tried beside it and slightly other noise."""
+        more = found.score - before.tried.get(found.labels, np.inf)
+        self.tried |= {one: score + more for one, score in before.tried.items()}
+        return self.remembered(found)
+
     def careful(self, explanation: Explanation) -> JointFit | None:
         """The fit with what laws and weights leave open counted as uncertainty of the readings."""
 
