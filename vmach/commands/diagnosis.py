@@ -33,9 +33,14 @@ from vmach.files.together import together
 if TYPE_CHECKING:
     from vmach.diagnosis.diagnose import Diagnosis
     from vmach.diagnosis.named_fit import NamedEffect
+    from vmach.history.rounds import Round
     from vmach.job import Job
+    from vmach.nominal import Mesh
 
 __all__ = ["add", "diagnose", "history", "set_job_values"]
+
+#: in the folder of results: the diagnosis of the last job that adding in rounds made
+_LEFT = "left"
 
 
 def diagnose(
@@ -73,6 +78,8 @@ def diagnose(
     check_outputs([json_file, next_path], inputs=inputs)
     if out is not None:
         check_folder(out, FOLDER_FILES, inputs=inputs)
+    if out is not None and add_all:
+        check_folder(out / _LEFT, FOLDER_FILES, inputs=inputs)
     tell_doubts(read)
     with progress_bar() as progress:
         progress("read", 0, 1)
@@ -90,7 +97,7 @@ def diagnose(
                     program = program or str(out / written[-1])
     print(as_text(found, program=program))
     if add_all:
-        _add_all(job, found)
+        _add_all(job, found, out=None if out is None else out / _LEFT, nominal=nominal)
     else:
         _tell_how_to_go_on(job, found)
     if found.next_program is not None and program is None:
@@ -122,19 +129,22 @@ def _write_files(
     return program
 
 
-def _add_all(job: Path, found: Diagnosis) -> None:
-    """Add what is shown, round by round, each in a job of its own, and say what is left."""
+def _add_all(job: Path, found: Diagnosis, *, out: Path | None, nominal: Mesh | None) -> None:
+    """Add what is shown, round by round, each in a job of its own, and say what is left.
+
+    The diagnosis of the last job goes to `out`.
+    """
+    from vmach.diagnosis.results import FOLDER_FILES, write_diagnosis
     from vmach.history.rounds import add_in_rounds
 
-    with progress_bar() as progress:
-        progress("add", 0, 1)
-        rounds = add_in_rounds(job, found)
-    for step in rounds.steps:
-        print(
-            f"{step.job}: {', '.join(step.added)}; {step.before_um:.2f} -> {step.after_um:.2f} um"
-        )
-        for label, others in step.out_of_class.items():
-            print(f"  {label} was chosen out of a class: it may as well be {', '.join(others)}")
+    made: list[Round] = []
+    try:
+        with progress_bar() as progress:
+            rounds = add_in_rounds(
+                job, found, tell=made.append, progress=lambda stage: progress(stage, 0, 1)
+            )
+    finally:  # whoever stops the rounds has the jobs that are written
+        _tell_rounds(made)
     left = rounds.left
     if left.verdict in ("partly", "unknown"):
         print(
@@ -147,8 +157,23 @@ def _add_all(job: Path, found: Diagnosis) -> None:
             )
     else:
         print("nothing further is shown")
-    if rounds.steps:
-        print(f"go on from {rounds.job}, or from any job before it")
+    if not rounds.steps:
+        return
+    print(f"go on from {rounds.job}, or from any job before it")
+    if out is not None:
+        written = write_diagnosis(
+            out, left, nominal=nominal, command=command_line(), job=typed(rounds.job)
+        )
+        _tell(out, written, FOLDER_FILES)
+
+
+def _tell_rounds(steps: Sequence[Round]) -> None:
+    for step in steps:
+        print(
+            f"{step.job}: {', '.join(step.added)}; {step.before_um:.2f} -> {step.after_um:.2f} um"
+        )
+        for label, others in step.out_of_class.items():
+            print(f"  {label} was chosen out of a class: it may as well be {', '.join(others)}")
 
 
 def _tell_how_to_go_on(job: Path, found: Diagnosis) -> None:

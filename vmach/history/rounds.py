@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -58,7 +58,13 @@ class Rounds:
     left: Diagnosis
 
 
-def add_in_rounds(job_path: str | Path, first: Diagnosis | None = None) -> Rounds:
+def add_in_rounds(
+    job_path: str | Path,
+    first: Diagnosis | None = None,
+    *,
+    tell: Callable[[Round], object] = lambda step: None,
+    progress: Callable[[str], object] = lambda stage: None,
+) -> Rounds:
     """Add what a diagnosis shows into a new job, diagnose that, and so on.
 
     Parameters
@@ -66,6 +72,10 @@ def add_in_rounds(job_path: str | Path, first: Diagnosis | None = None) -> Round
     job_path : path
     first : Diagnosis, optional
         Of that job, where it is known.
+    tell : callable, optional
+        Told each round as soon as its job is written.
+    progress : callable, optional
+        Told what begins.
 
     Raises
     ------
@@ -76,14 +86,19 @@ def add_in_rounds(job_path: str | Path, first: Diagnosis | None = None) -> Round
     job = read_job(path)
     seen = {effect.label for effect in read_effects(job.effects, file=job.path, job=job)}
     found = first or diagnose(survey_job(path))
-    for _ in range(_MOST):
+    for number in range(1, _MOST + 1):
         new = _new(found, seen)
         if not new:
             break
+        progress(f"round {number}, fit")
         path, _ = add_effects(path, [f.label.replace(" ", ":") for f in new])
         seen |= {f.label for f in new}
         steps.append(_round(path, new))
-        found = diagnose(survey_job(path))
+        tell(steps[-1])
+        found = diagnose(
+            survey_job(path),
+            progress=lambda stage, number=number: progress(f"round {number}, {stage}"),
+        )
     return Rounds(tuple(steps), path, found)
 
 

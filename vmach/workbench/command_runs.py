@@ -105,8 +105,12 @@ class CommandRuns:
         self._tasks: set[asyncio.Task] = set()
         self.runs: list[CommandRun] = []
 
-    def start(self, kind: str, words: Sequence[str], done: Done | None = None) -> CommandRun:
+    def start(
+        self, kind: str, words: Sequence[str], done: Done | None = None, *, cut: Done | None = None
+    ) -> CommandRun:
         """Start a command; `done` makes the page's result of a run that went well.
+
+        `cut` makes it of one that was stopped, or failed, after it had written something.
 
         Raises
         ------
@@ -118,7 +122,7 @@ class CommandRuns:
         number = self.runs[-1].number + 1 if self.runs else 1
         run = CommandRun(number, kind, tuple(words))
         self.runs = [*self.runs, run][-_MOST_KEPT:]
-        task = asyncio.get_running_loop().create_task(self._carry_out(run, done))
+        task = asyncio.get_running_loop().create_task(self._carry_out(run, done, cut))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
         self._tell(run)
@@ -153,7 +157,7 @@ class CommandRuns:
         for task in self._tasks:
             task.cancel()
 
-    async def _carry_out(self, run: CommandRun, done: Done | None) -> None:
+    async def _carry_out(self, run: CommandRun, done: Done | None, cut: Done | None) -> None:
         async with self._room:
             if run.is_over:
                 return
@@ -173,12 +177,13 @@ class CommandRuns:
                 self._read_progress(run, run.process.stderr),
             )
             status = await run.process.wait()
-        if run.state == "stopped":
-            return
-        run.state = "done" if status == 0 else "failed"
-        run.message = "" if status == 0 else complaints or f"the command ended with status {status}"
-        if status == 0 and done is not None:
-            await self._finish(run, done)
+        if run.state != "stopped":
+            run.state = "done" if status == 0 else "failed"
+            said = complaints or f"the command ended with status {status}"
+            run.message = "" if status == 0 else said
+        work = done if run.state == "done" else cut
+        if work is not None:
+            await self._finish(run, work)
         run.output = ""  # what the page needs of it is in the result
         self._tell(run)
 

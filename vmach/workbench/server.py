@@ -18,7 +18,7 @@ from vmach.workbench.access import Access, Guard
 from vmach.workbench.bounded_http import BoundedHttp
 from vmach.workbench.exchange import refused
 from vmach.workbench.model.remote import ModelStopped
-from vmach.workbench.routes import files, pages, part, report, state, work
+from vmach.workbench.routes import diagnosis, files, pages, part, report, state, work
 from vmach.workbench.session import Session
 
 __all__ = ["build_server", "serve"]
@@ -73,6 +73,7 @@ def build_server(
             *pages.routes,
             *state.routes,
             *part.routes,
+            *diagnosis.routes,
             *work.routes,
             *report.routes,
             *files.routes,

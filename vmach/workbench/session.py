@@ -86,11 +86,8 @@ class Session:
         folder = OpenedFolder(job.parent)
         if self.folder != folder:
             self.open_folder(folder)
-        elif self.job is not None and self.job != job:
-            before, sliders = self.job, self.changes
-            back = lambda: (self.open(before), self.set_changes(sliders))  # noqa: E731
-            self.steps.did(Step(_word_for(job), back, lambda: self.open(job)))
-        self.job, self.changes = job, []
+            self.job = None  # no step leads from one folder into another
+        self._step_to(job)
         self.own_effects = [f for f in self.own_effects if f.is_file()]
         remember_job(job)
         self._start_model()
@@ -102,12 +99,25 @@ class Session:
             return []
         return [run.kind for run in self.runs.runs if not run.is_over]
 
-    def open_next(self, job: Path, *, after: Path) -> bool:
-        """Open a job that was made of the job `after`, if that is still the open one."""
-        if self.job != after:
+    def open_next(self, *jobs: Path, after: Path) -> bool:
+        """Open the last of the jobs that were made of the job `after`, if that is still open.
+
+        The way there is one step for each of them, and so is the way back.
+        """
+        if self.job != after or not jobs:
             return False
-        self.open(job)
+        for job in jobs[:-1]:
+            self._step_to(job)
+        self.open(jobs[-1])
         return True
+
+    def _step_to(self, job: Path) -> None:
+        """Let this be the open job from now on, and note the way back; its model is not started."""
+        if self.job is not None and self.job != job:
+            before, sliders = self.job, self.changes
+            back = lambda: (self.open(before), self.set_changes(sliders))  # noqa: E731
+            self.steps.did(Step(_word_for(job), back, lambda: self.open(job)))
+        self.job, self.changes = job, []
 
     async def check_job(self, job: Path) -> None:
         """Refuse a job that cannot be read, or whose part cannot be predicted.
@@ -183,7 +193,12 @@ class Session:
             self.events.tell("shown", **{kind: found})
         if self._kept is not None and self.job is not None:
             chain = [] if job else [step.job for step in job_chain(self.job)]
-            files = [*(self._watch.files if job in (None, self.job) else [job]), *chain]
+            checked_on = (
+                named_files(self.other_part) if kind == "history" and self.other_part else []
+            )
+            of_job = self._watch.files if job in (None, self.job) else named_files(job)
+            named = dict.fromkeys([*of_job, *chain, *checked_on])
+            files = [path for path in named if path.is_file()]
             self._kept.keep("" if job is None else self._name_of(job), kind, found, files)
 
     def _name_of(self, job: Path) -> str:

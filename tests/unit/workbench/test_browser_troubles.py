@@ -136,7 +136,8 @@ def test_the_choice_names_what_is_seen(tab):
     tab.route("**/api/values?quantity=difference*", lambda route: held.append(route), times=1)
     tab.locator("#quantity").select_option("difference")
     until(lambda: tab.locator(".stage.old").count() and held)
-    held[0].continue_()
+    for route in held:
+        route.continue_()
     tab.locator(".stage:not(.old)").wait_for()
     assert tab.locator("#quantity").input_value() == "difference"
 
@@ -403,6 +404,45 @@ def test_without_webgl_there_are_figures_and_words(tab, context):
         page.locator("#grey").check()
         page.locator("#section").select_option("1")
         assert page.locator(".notice.error").count() == 0
+
+
+# ---- in rounds
+
+
+def test_all_is_added_in_rounds_with_a_step_back(tab, folder):
+    open_job(tab, "part/job.toml")
+    tab.locator("#tab-diagnose").click()
+    tab.locator("#diagnose").click()
+    tab.locator("#rounds").click()
+    says(tab, "#undo", "+ backlash Y")
+    ready(tab)
+    says(tab, "#panel-diagnose .verdict", "nothing is missing")
+    says(tab, "#panel-diagnose", "diagnose job.toml --add-all --out")
+    assert tab.locator("#rounds").count() == 0  # nothing is left to add
+    (made,) = (p for p in folder.glob("job-*.toml") if 'added = ["backlash Y"]' in p.read_text())
+    assert tab.locator("#job-about").inner_text().startswith(made.name)
+    tab.locator("#undo").click()
+    until(lambda: tab.locator("#job-about").inner_text().startswith("job.toml"))
+    ready(tab)
+    tab.locator("#rounds").wait_for()  # the verdict of the first job, as it was
+    assert made.is_file()  # no file goes away
+
+
+def test_figures_of_the_job_before_are_not_shown_while_another_one_is_read(tab):
+    open_job(tab, "part/job.toml")
+    held, is_held = [], [True]
+    tab.route("**/api/about", lambda route: held.append(route) if is_held[0] else route.continue_())
+    tab.locator("#home").click()
+    tab.locator(".jobs button", has_text="wider.toml").first.click()
+    says(tab, "#job-about", "wider.toml")
+    tab.locator("#veil").wait_for()
+    assert not tab.locator("#figures").is_visible()
+    is_held[0] = False
+    for route in held:
+        route.continue_()
+    ready(tab)
+    tab.unroute("**/api/about")
+    assert tab.locator("#figures").is_visible()
 
 
 # ---- what was written stays

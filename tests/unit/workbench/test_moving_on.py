@@ -38,7 +38,7 @@ def test_work_of_another_folder_is_not_ended_unasked(bench, tmp_path):
 def test_a_job_that_is_made_is_opened_where_its_user_still_is(bench, moves_on):
     taken = {}
 
-    def start(kind, words, done=None):
+    def start(kind, words, done=None, *, cut=None):
         taken[kind] = done
         return CommandRun(1, kind, tuple(words))
 

@@ -134,3 +134,28 @@ def test_another_part_is_kept_only_where_it_can_be_evaluated(bench):
     assert run["result"]["steps"][-1]["check_rms_um"] > 0
     assert bench.get("/api/state").json()["other_part"].endswith("twin.toml")
     assert bench.post("/api/history", {"other_part": "/etc/passwd"}).status_code == 400
+
+
+def test_a_curve_that_is_kept_is_of_the_other_part_as_it_is(bench):
+    folder = bench.session.folder.root
+    text = (folder / "job.toml").read_text().replace('"points.csv"', '"twin.csv"')
+    (folder / "twin.toml").write_text(text)
+    shutil.copy(folder / "points.csv", folder / "twin.csv")
+    bench.get("/api/about")  # from then on all files of the job are watched
+    bench.session.other_part = folder / "twin.toml"
+    bench.session.show("history", {"steps": []})
+
+    def shown_anew():
+        again = Page(folder / "job.toml")
+        with again.client:
+            return again.get("/api/state").json()["shown"]
+
+    assert shown_anew() == {"history": {"steps": []}}
+    (folder / "twin.csv").write_text((folder / "twin.csv").read_text() + "\n")
+    assert shown_anew() == {}
+
+
+@pytest.mark.parametrize("name", ["a" * 61, "Big", "", 3])
+def test_a_name_of_a_proposal_is_refused_with_what_is_accepted(bench, name):
+    answer = bench.post("/api/propose", {"name": name, "number": 1})
+    assert answer.status_code == 400 and "up to 60 letters" in answer.json()["error"]

@@ -1,11 +1,10 @@
-"""Long work: diagnose, add, go back, propose, compensate, report; all of it commands."""
+"""Long work: keep, propose, check, compensate, machine; all of it commands."""
 
 from __future__ import annotations
 
 import contextlib
 import json
 import re
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,17 +13,18 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from vmach.errors import InputError
-from vmach.workbench.command_runs import CommandRun, Done, OutOfDate
+from vmach.workbench.command_runs import CommandRun
 from vmach.workbench.exchange import read_json, session_of
 from vmach.workbench.model.remote import ModelRefused, ModelStopped
 from vmach.workbench.results import result_place
-from vmach.workbench.routes.state import offered_job
-from vmach.workbench.session import Session, changed_since
+from vmach.workbench.routes.job_commands import start_command
+from vmach.workbench.session import Session
 
 __all__ = ["routes"]
 
-_EFFECT = re.compile(r"[a-z][a-z0-9_]{0,60}(:[A-Za-z0-9]{1,12})?")
 _FILE_STEM = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+#: letters of the name of an effect
+_LONGEST_NAME = 60
 #: sizes of a compensation: what the page calls each, and what it may be
 _SIZES = {
     "resolution_mm": ("resolution of the control, mm", 1e-6, 0.1),
@@ -32,48 +32,7 @@ _SIZES = {
     "limit_um": ("largest correction accepted, µm", 1.0, 10_000.0),
     "residual_limit_um": ("largest residual as written, µm", 0.1, 1000.0),
 }
-#: runs whose result is a file of its own, which says what it was made of
-_WRITERS = ("add", "keep", "propose", "check")
-#: commands that take the control which the program is read for
-_OF_CONTROL = ("add", "check", "compensate", "diagnose", "effects", "history", "run")
 _DIALECTS = ("fanuc", "grbl", "haas", "heidenhain", "linuxcnc", "sinumerik")
-
-
-async def _diagnose(request: Request) -> Response:
-    session = session_of(request)
-    _, job, _ = session.need_job()
-    out = result_place(session, "diagnosis")
-
-    async def done(run: CommandRun) -> dict[str, Any]:
-        found = _json(session, out / "diagnosis.json")
-        found |= {"page": str(out / "diagnosis.html"), "job": session.folder.name_of(job)}
-        found["run"] = run.number
-        program = (found.get("next_measurement") or {}).get("program")
-        found["program"] = program and str(out / program)
-        session.show("diagnosis", found, job, step="diagnosis")
-        return found
-
-    words = ["diagnose", job.name, "--out", str(out)]
-    return _start(session, "diagnose", words, done)
-
-
-async def _add(request: Request) -> Response:
-    session = session_of(request)
-    _, job, _ = session.need_job()
-    effects = (await read_json(request)).get("effects")
-    is_list = isinstance(effects, list) and 0 < len(effects) <= 12
-    if not is_list or not all(isinstance(e, str) and _EFFECT.fullmatch(e) for e in effects):
-        raise InputError(f"effects = {effects!r}", accepted="names such as backlash:Y")
-
-    async def done(run: CommandRun) -> dict[str, Any]:
-        found = json.loads(run.output)
-        found["is_opened"] = session.open_next(job.parent / Path(found["job"]).name, after=job)
-        if found["is_opened"]:
-            _history(session, session.other_part)
-        return found
-
-    words = ["add", job.name, *effects, "--json"]
-    return _start(session, "add", words, done)
 
 
 async def _keep(request: Request) -> Response:
@@ -89,7 +48,9 @@ async def _keep(request: Request) -> Response:
         found["is_opened"] = session.open_next(job.parent / Path(found["job"]).name, after=job)
         return found
 
-    return _start(session, "keep", ["set", job.name, *words, "--json"], done)
+    return JSONResponse(
+        start_command(session, "keep", ["set", job.name, *words, "--json"], done).record()
+    )
 
 
 async def _kept(session: Session, one: dict[str, Any]) -> list[str]:
@@ -107,41 +68,16 @@ async def _kept(session: Session, one: dict[str, Any]) -> list[str]:
     return words
 
 
-async def _history_again(request: Request) -> Response:
-    """Evaluate the chain, also on another part from now on, where one is named."""
-    session, told = session_of(request), await read_json(request)
-    name, other = told.get("other_part"), session.other_part
-    if "other_part" in told:
-        other = None if name is None else offered_job(session, str(name))
-    return JSONResponse(_history(session, other).record())
-
-
-def _history(session: Session, other: Path | None) -> CommandRun:
-    """Evaluate the chain of jobs anew, on what was fitted, what was held out, and another part."""
-    folder, job, runs = session.need_job()
-    checked_on = [] if other is None else ["--check-job", folder.name_of(other)]
-    picture = result_place(session, "history.png", is_folder=False)
-
-    async def done(run: CommandRun) -> dict[str, Any]:
-        session.other_part = other  # one that cannot be read is not asked for again
-        found = {"steps": json.loads(run.output), "other_part": other and str(other)}
-        session.show("history", found)
-        return found
-
-    words = ["history", job.name, *checked_on, "--json", "--picture", str(picture)]
-    return runs.start(
-        "history", _whole_command(session, words), _if_of_now(session, "history", done)
-    )
-
-
 async def _propose(request: Request) -> Response:
     """Write a form that was proposed as the file of an effect."""
     session = session_of(request)
     folder, job, _ = session.need_job()
     asked = await read_json(request)
     name, number = asked.get("name"), asked.get("number", 1)
-    if not isinstance(name, str) or not _FILE_STEM.fullmatch(name):
-        raise InputError(f"name = {name!r}", accepted="lower-case words joined by underscores")
+    is_name = isinstance(name, str) and _FILE_STEM.fullmatch(name)
+    if not is_name or len(name) > _LONGEST_NAME:
+        words = f"lower-case words joined by underscores, up to {_LONGEST_NAME} letters"
+        raise InputError(f"name = {str(name)[:80]!r}", accepted=words)
     if not isinstance(number, int) or not 1 <= number <= 99:
         raise InputError(f"number = {number!r}", accepted="1 .. 99")
 
@@ -150,7 +86,7 @@ async def _propose(request: Request) -> Response:
         return {"file": f"{name}.py"}
 
     words = ["effects", "propose", job.name, "-o", f"{name}.py", "--number", str(number)]
-    return _start(session, "propose", words, done)
+    return JSONResponse(start_command(session, "propose", words, done).record())
 
 
 async def _check_effect(request: Request) -> Response:
@@ -172,7 +108,7 @@ async def _check_effect(request: Request) -> Response:
         is_measured = (await session.ask("about"))[0]["is_measured"]
     words = ["effects", "check", folder.name_of(path)]
     words += ["--job", job.name] if is_measured else []
-    return _start(session, "check", words, done)
+    return JSONResponse(start_command(session, "check", words, done).record())
 
 
 async def _compensate(request: Request) -> Response:
@@ -190,7 +126,7 @@ async def _compensate(request: Request) -> Response:
         session.show("compensation", found | {"run": run.number}, job, step="compensation")
         return {}
 
-    return _start(session, "compensate", words, done)
+    return JSONResponse(start_command(session, "compensate", words, done).record())
 
 
 def _choices(asked: dict[str, Any]) -> list[str]:
@@ -233,7 +169,7 @@ async def _machine(request: Request) -> Response:
         return found
 
     words = ["run", job.name, "--out", str(out), *([] if is_cut else ["--no-solid"])]
-    return _start(session, "machine", words, done)
+    return JSONResponse(start_command(session, "machine", words, done).record())
 
 
 async def _collisions(request: Request) -> Response:
@@ -246,7 +182,7 @@ async def _collisions(request: Request) -> Response:
         return {}
 
     words = ["check", job.name, "--collisions", "--json"]
-    return _start(session, "collisions", words, done)
+    return JSONResponse(start_command(session, "collisions", words, done).record())
 
 
 async def _stop(request: Request) -> Response:
@@ -256,46 +192,8 @@ async def _stop(request: Request) -> Response:
     return JSONResponse(run.record())
 
 
-def _start(session: Session, kind: str, words: Sequence[str], done: Any) -> Response:
-    _, _, runs = session.need_job()
-    checked = done if kind in _WRITERS else _if_of_now(session, kind, done)
-    return JSONResponse(runs.start(kind, _whole_command(session, words), checked).record())
-
-
-def _if_of_now(session: Session, kind: str, done: Done) -> Done:
-    """Take a result only where the job's files still are what they were when its run began."""
-    before = session.contents()
-
-    async def checked(run: CommandRun) -> dict[str, Any] | None:
-        if changed := changed_since(before):
-            names = ", ".join(path.name for path in changed)
-            raise OutOfDate(f"{names} changed while {kind} was at work: its result is of the files "
-                            "before, and is not shown", hint=f"start {kind} again")  # fmt: skip
-        return await done(run)
-
-    return checked
-
-
-def _whole_command(session: Session, words: Sequence[str]) -> list[str]:
-    """A command that reads the job as the page does: with its own effects, for its control."""
-    folder, _, _ = session.need_job()
-    known = [
-        word for path in session.effect_files for word in ("--effect-file", folder.name_of(path))
-    ]
-    control = ["--control", session.control] if session.control and words[0] in _OF_CONTROL else []
-    return [*known, *words, *control]
-
-
-def _json(session: Session, name: Path) -> dict[str, Any]:
-    folder, _, _ = session.need_job()
-    return json.loads(folder.existing(str(name)).read_text(encoding="utf-8"))
-
-
 routes = [
-    Route("/api/diagnose", _diagnose, methods=["POST"]),
-    Route("/api/add", _add, methods=["POST"]),
     Route("/api/keep", _keep, methods=["POST"]),
-    Route("/api/history", _history_again, methods=["POST"]),
     Route("/api/propose", _propose, methods=["POST"]),
     Route("/api/check-effect", _check_effect, methods=["POST"]),
     Route("/api/compensate", _compensate, methods=["POST"]),

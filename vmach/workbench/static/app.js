@@ -62,7 +62,10 @@ async function showState(state) {
     return showStart();
   }
   const place = `${state.folder}/${state.job}`;
-  if (place !== shownPlace) settle(); // what was wrong was so of another job
+  if (place !== shownPlace) {
+    settle(); // what was wrong was so of another job
+    document.body.classList.add("other-job"); // until its figures are there
+  }
   if (place !== shownPlace || state.revision !== shownRevision) hideStart();
   shownPlace = place;
   byId("job-name").textContent = state.name;
@@ -89,6 +92,7 @@ async function showJob(revision) {
     openProgram();
     await loadPart();
     if (revision !== shownRevision) return;
+    document.body.classList.remove("other-job");
     showPoint(null);
     byId("veil").hidden = !stage.noPicture;
     byId("veil").textContent = stage.noPicture ?? "";
@@ -151,13 +155,15 @@ function listen() {
   listenToServer((kind, what) => attempt(HAPPENS[kind])(what));
 }
 
-// What a job was made into, where another one was opened meanwhile.
+// What a job was made into, where another one was opened meanwhile, or what was made before the work was stopped.
 function offerJob({ kind, state, result }) {
-  if (state !== "done" || !["add", "keep"].includes(kind)) return;
-  if (result.is_opened) return kind === "add" ? choose("diagnose") : null;
+  if (!["add", "keep", "rounds"].includes(kind) || !["done", "failed", "stopped"].includes(state)) return;
+  if (result.is_opened) return kind === "keep" ? null : choose("diagnose");
+  if (!result.job) return;
   const button = el("button", { type: "button" }, "Open it"), name = result.job.split("/").at(-1);
   button.onclick = once(async () => { await post("/api/open", { job: name }); settle("made " + name); });
-  notice([`${name} is written; another job was opened meanwhile. `, button], "news stay", "made " + name);
+  const why = state === "done" ? "another job was opened meanwhile" : "it holds what was added before";
+  notice([`${name} is written; ${why}. `, button], "news stay", "made " + name);
 }
 
 // What still runs, as a map that is drawn anew, finds its elements.

@@ -52,7 +52,7 @@ function parts() {
     el("a", { class: "button primary", href: downloadAddress(program), download: "" }, "Download the program"),
     el("a", { href: showAddress(page), target: "_blank", rel: "noopener" }, "its report")),
     ...figures.notes.map((note) => el("p", { class: "remark" }, micro(note))),
-    figures.uncorrected.length ? el("p", { class: "remark" }, "Not corrected: " + figures.uncorrected.map((u) => micro(u.what)).join("; ")) : null,
+    figures.uncorrected.length ? el("p", { class: "remark" }, "Not corrected: " + figures.uncorrected.map(uncorrected).join("; ")) : null,
     differenceView(), box];
 }
 
@@ -78,6 +78,13 @@ const loadDifference = attempt(async (number, program) => {
   state.difference = await get("/api/difference?file=" + encodeURIComponent(program));
   state.draw();
 });
+
+// What a path cannot correct, with its size as the command tells it.
+function uncorrected({ what, urad, surface_um }) {
+  const sizes = [typeof urad === "number" ? `${fixed(urad, 1)} µrad` : null, typeof surface_um === "number" ? `${fixed(surface_um)} µm on the part` : null];
+  const said = sizes.filter(Boolean).join(", ");
+  return micro(what) + (said ? `, up to ${said}` : "");
+}
 
 const linesOf = (count) => `${count} ${count === 1 ? "line" : "lines"}`;
 

@@ -16,6 +16,7 @@ const VERDICTS = {
   unknown: "Something real is left that no known effect clearly explains",
   nothing: "The measurements agree with the model: nothing is missing that they could show",
 };
+const ADDERS = ["rounds", "add"]; // they write jobs
 const STATUS = { shown: "shown", class: "shown as a class" };
 const MOST_BLIND = 6, EXCHANGED = "exchanged";
 const state = { measured: null, trouble: null, isWhole: false };
@@ -43,19 +44,22 @@ function parts() {
   if (!bench.about.is_measured)
     return [el("p", { class: "soft" }, "Nothing was measured for this job. A diagnosis needs points of a CMM, or readings of an instrument."), readingsForm()];
   if (state.trouble) return [el("p", { class: "trouble", role: "alert" }, state.trouble), readingsForm()];
-  const found = bench.state.shown?.diagnosis, busy = isAtWork("diagnose") || isAtWork("add");
+  const found = bench.state.shown?.diagnosis, busy = ["diagnose", ...ADDERS].some(isAtWork);
   const button = el("button", { type: "button", class: "primary", disabled: busy, id: "diagnose" }, found ? "Diagnose again" : "Diagnose");
   button.onclick = () => startRun("/api/diagnose");
   return [
     measuredLine(),
     el("div", { class: "row" }, button, found ? residualButtons() : el("span", { class: "soft" }, "asks which effect is missing")),
-    runBox(isAtWork("add") ? "add" : "diagnose", busy),
+    runBox(ADDERS.find(isAtWork) ?? "diagnose", busy),
     historyCurve(),
     ...(found ? verdict(found) : []),
-    found ? runBox("diagnose") : null,
+    found ? runBox(kindOf(found)) : null,
     found?.next_measurement ? null : readingsForm(),
   ];
 }
+
+// The kind of run that a verdict is of: a diagnosis, or rounds of adding, which end with one.
+const kindOf = (found) => ((bench.state.runs ?? []).some((run) => run.number === found.run && run.kind === "rounds") ? "rounds" : "diagnose");
 
 function measuredLine() {
   const m = state.measured;
@@ -78,7 +82,7 @@ function verdict(found) {
     ...found.notes.filter(isFirst).map((note) => el("p", { class: "trouble" }, "Look at the files first: ", micro(note))),
     el("h3", { class: "verdict " + found.verdict }, VERDICTS[isOfSome ? "some" : found.verdict]),
     rmsBars(found), ofMeasurement(found),
-    ...found.effects.map((one) => card(one, found)),
+    ...found.effects.map((one) => card(one, found)), addAll(found),
   ];
   if (["partly", "unknown"].includes(found.verdict)) {
     rows.push(el("p", {}, "What remains beside noise: ", el("b", {}, fixed(found.remains_um)), " µm RMS",
@@ -124,7 +128,7 @@ function card(one, found) {
   if (one.effect === "unknown")
     return el("article", { class: "card open" }, el("h4", {}, "Not known"), el("p", {}, micro(one.where ?? "everywhere: more scatter than the uncertainty says")));
   const word = one.target ? `${one.effect}:${one.target}` : one.effect;
-  const add = el("button", { type: "button", class: "primary", disabled: isAtWork("add") }, "Add");
+  const add = el("button", { type: "button", class: "primary", disabled: ADDERS.some(isAtWork) }, "Add");
   add.onclick = () => startRun("/api/add", { effects: [word] });
   const numbers = Object.entries(one.interval_95).map(([name, [low, high]]) => {
     const unit = units(unitOf(name)), [said, from, to] = rounded(one.parameters[name], [low, high]);
@@ -138,15 +142,19 @@ function card(one, found) {
     el("p", { class: "soft" }, `${STATUS[one.status] ?? one.status}, ${fixed(one.size_um)} µm RMS of these readings, ${Math.round(100 * one.share)} % of all found or left (log odds ${Math.round(one.log_odds)})`),
     rivals.length ? el("p", {}, "Cannot be told from: ", rivals.join(", ")) : null,
     rivals.length && !found.next_measurement ? el("p", { class: "soft" }, "None of the tests that vmach can plan tells them apart.") : null,
-    details([["Usual size", one.usual_size], ["Confirm", one.confirm], ["Cure", one.cure]]),
-    found.effects.length > 1 && one === found.effects.at(-1) ? addAll(found) : null);
+    details([["Usual size", one.usual_size], ["Confirm", one.confirm], ["Cure", one.cure]]));
 }
 
+// All that is shown into one job; or round by round, each with a diagnosis of the job before.
 function addAll(found) {
   const words = found.effects.filter((e) => e.effect !== "unknown").map((e) => (e.target ? `${e.effect}:${e.target}` : e.effect));
-  const button = el("button", { type: "button" }, `Add all ${words.length}`);
-  button.onclick = () => startRun("/api/add", { effects: words });
-  return words.length > 1 ? button : null;
+  if (!words.length) return null;
+  const disabled = ADDERS.some(isAtWork), all = el("button", { type: "button", disabled }, `Add all ${words.length}`);
+  const rounds = el("button", { type: "button", disabled, id: "rounds" }, "Add all in rounds");
+  all.onclick = () => startRun("/api/add", { effects: words });
+  rounds.onclick = () => startRun("/api/add-in-rounds");
+  return el("div", { class: "row" }, words.length > 1 ? all : null, rounds,
+    el("span", { class: "soft" }, "adds what is shown, diagnoses again, and goes on until nothing further is shown"));
 }
 
 function meaning({ effect }, name) {

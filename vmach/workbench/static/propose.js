@@ -136,7 +136,7 @@ function said() {
   const jump = el("button", { type: "button" }, `Go to line ${line}`);
   jump.onclick = () => goTo(line);
   const name = (run.result?.said ?? "").split(":")[0];
-  const add = el("button", { type: "button", class: "primary", disabled: isAtWork("add") }, `Add ${name}`);
+  const add = el("button", { type: "button", class: "primary", disabled: ["add", "rounds"].some(isAtWork) }, `Add ${name}`);
   add.onclick = () => startRun("/api/add", { effects: [name] });
   return [runBox("check"), Number.isFinite(line) ? jump : null,
     run.state === "done" ? el("pre", { class: "said" }, micro(run.result.said ?? "")) : null,

@@ -4,7 +4,7 @@ import { attempt, bench, isAtWork, notice, settle } from "./bench.js";
 import { post } from "./api.js";
 import { byId, commandLine, el, redraw } from "./dom.js";
 
-const WORDS = { diagnose: "Diagnosing", add: "Adding", history: "Evaluating the models", propose: "Writing the proposal",
+const WORDS = { diagnose: "Diagnosing", add: "Adding", rounds: "Adding in rounds", history: "Evaluating the models", propose: "Writing the proposal",
   check: "Checking the effect", keep: "Writing the job", compensate: "Compensating", machine: "Machining the part",
   collisions: "Looking for collisions" };
 
