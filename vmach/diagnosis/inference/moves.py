@@ -263,8 +263,8 @@ def _pairs_instead(
     leading = _ranked(weighing, alone, others.labels | curves)[:_FIRSTS]
     odds = weighing.pair_gains(others, leading)
     odds[odds <= np.maximum.outer(alone, alone)] = -np.inf
-    odds = np.round(np.maximum(odds, odds.T), _TIE)
-    odds[np.tril_indices(len(odds))] = -np.inf
+    odds = np.round(odds, _TIE)
+    odds[np.triu(odds < odds.T) | np.tril(odds <= odds.T)] = -np.inf  # each pair once, in its order
     for at in np.argsort(-odds, axis=None, kind="stable")[:_PAIRS]:
         i, j = divmod(int(at), len(odds))
         if others.score + odds[i, j] < least:
