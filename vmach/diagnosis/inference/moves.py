@@ -32,10 +32,12 @@ _TRIED = 3
 #: candidates that are tried beside an impossible size; chosen: on a part that was looked at the one
 #: that was missing came fourth
 _MORE = 6
-#: pairs that are fitted in the place of one effect; twelve that helped were among the first three
-_PAIRS = 6
-#: candidates that are tried as the first of two; of four that had to be, the last was the 18th
-_FIRSTS = 30
+#: candidates of which pairs are weighed; of four that had to be, the last was the 18th
+_LEADING = 30
+#: candidates that are fitted as the first of two; of four that had to be, the last was third
+_FIRSTS = 5
+#: log odds by which a pair may lie behind before its first is fitted; chosen: 26 on one part
+_ROUGH = 30.0
 #: log odds by which one may lie behind the effect whose place it takes; in none of a few hundred
 #: refits did one from further behind catch up
 _NEAR = 6.0
@@ -248,28 +250,26 @@ def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     """Two effects in place of one that stands for both, found beside members as they start."""
     for start in _starts(here):
         least = start.score - (2.0 * _NEAR if start is here else 0.0)
-        for k in range(len(here.terms)):
+        for k, term in enumerate(here.terms):
             others = weighing.without(start, [k], resize=False)
-            for i, j in _pairs_instead(weighing, others, least):
+            for i in _firsts(weighing, others, term.label, least - _ROUGH):
                 one = weighing.extend(others, i, refine=False, resize=False)
-                yield weighing.extend(one, j)
+                # what was there may be another of the two, elsewhere than where it stood for both
+                odds = one.score + weighing.gains(one)
+                for j in _ranked(weighing, odds, others.labels | one.labels)[:_TRIED]:
+                    if odds[j] > max(least, one.score):
+                        yield weighing.extend(one, j)
 
 
-def _pairs_instead(
-    weighing: Weighing, others: Explanation, least: float
-) -> Iterator[tuple[int, int]]:
-    """Two candidates beside others that are worth a fit, the most probable first; none is idle."""
+def _firsts(weighing: Weighing, others: Explanation, own: str, least: float) -> list[int]:
+    """Those of pairs in the place of one effect, none idle, that place the other one better."""
     alone, curves = weighing.gains(others), {c.label for c in weighing.candidates if c.is_curve}
-    leading = _ranked(weighing, alone, others.labels | curves)[:_FIRSTS]
-    odds = weighing.pair_gains(others, leading)
-    odds[odds <= np.maximum.outer(alone, alone)] = -np.inf
-    odds = np.round(odds, _TIE)
-    odds[np.triu(odds < odds.T) | np.tril(odds <= odds.T)] = -np.inf  # each pair once, in its order
-    for at in np.argsort(-odds, axis=None, kind="stable")[:_PAIRS]:
-        i, j = divmod(int(at), len(odds))
-        if others.score + odds[i, j] < least:
-            return
-        yield i, j
+    odds = weighing.pair_gains(others, _ranked(weighing, alone, others.labels | curves)[:_LEADING])
+    alone[weighing.index_of(own)] = -np.inf
+    odds[(odds <= np.maximum.outer(alone, alone)) | (odds < odds.T)] = -np.inf
+    best = odds.max(axis=1, initial=-np.inf)
+    leading = _ranked(weighing, best, others.labels)[:_FIRSTS]
+    return [i for i in leading if others.score + best[i] > least]
 
 
 def _starts(here: Explanation) -> Iterator[Explanation]:
