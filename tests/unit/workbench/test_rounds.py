@@ -97,9 +97,10 @@ def test_rounds_that_are_stopped_leave_the_jobs_that_were_made(bench):
     assert bench.get("/api/about").status_code == 200
 
 
-def test_rounds_stopped_before_anything_was_added_offer_nothing(bench):
+def test_rounds_stopped_at_once_offer_what_is_written_and_nothing_else(bench):
+    """As a rule nothing is; a slow machine may have come further."""
     run = bench.post("/api/add-in-rounds").json()
     bench.post(f"/api/runs/{run['number']}/stop")
     end_of(bench, run)
-    assert bench.wait_for("rounds")["result"] == {}
-    assert not list(bench.session.folder.root.glob("job-*.toml"))
+    written = sorted(path.name for path in bench.session.folder.root.glob("job-*.toml"))
+    assert bench.wait_for("rounds")["result"].get("jobs", []) == written

@@ -98,14 +98,14 @@ def _store(
             f"'{name}' is no error of a linear axis", file=path, line=line,
             accepted=", ".join(COMPONENT_NAMES) + ", C0Y and the like",
         )  # fmt: skip
-    is_angle = component_of(name)[2]
-    _check_size(name, pairs, (LARGEST_RAD, "rad") if is_angle else (LARGEST_MM, "mm"), path, line)
     table = np.array(sorted(pairs))
     if len(table) < 2 or not np.all(np.diff(table[:, 0]) > 0):
         raise InputError(
             f"{name} has {len(table)} rows or a position twice", file=path, line=line,
             accepted="two or more rows, each position once",
         )  # fmt: skip
+    is_angle = component_of(name)[2]
+    _check_size(name, pairs, (LARGEST_RAD, "rad") if is_angle else (LARGEST_MM, "mm"), path, line)
     if name in found.tables:
         raise InputError(f"{name} occurs twice", file=path, line=line)
     found.tables[name] = (table[:, 0], table[:, 1])
