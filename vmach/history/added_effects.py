@@ -14,12 +14,11 @@ from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects import label_of
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
-from vmach.files.toml_file import line_of_key
 from vmach.history import rms_um
 from vmach.history.fitted_before import (
     Key,
+    check_new,
     fitted_before,
-    is_there,
     without_effects,
     without_tables,
 )
@@ -73,13 +72,13 @@ def add_effects(
     check_free(out)
     text = read_text(job.path, what="job file")
     for name in effects:
-        _check_new(job, text, *_parts(name))
+        check_new(job, text, *_parts(name))
     anew = fitted_before(job)
     bare = survey_job(without_effects(job, anew))
     every = fit_named(bare, [*(label_of(*key) for key in anew), *effects])
     found = every[len(anew) :]
     for effect in found:
-        _check_new(job, text, effect.effect.name, effect.target)
+        check_new(job, text, effect.effect.name, effect.target)
     before = rms_um(survey_job(job) if anew else bare)
     after = rms_um(bare, sum(effect.explained_mm for effect in every))
     tables = "\n".join(_effect_toml(e) for e in every) + "".join(_fitted_toml(e) for e in every)
@@ -112,23 +111,6 @@ def _parts(word: str) -> tuple[str, str]:
     """Name and target of an effect that is told as ``NAME:TARGET``."""
     name, _, target = word.replace(" ", ":").partition(":")
     return name, target
-
-
-def _check_new(job: Job, text: str, name: str, target: str) -> None:
-    """Complain about an effect that the job has.
-
-    Raises
-    ------
-    InputError
-        It is there already.
-    """
-    if is_there(job.effects, name, target):
-        raise InputError(
-            f"the job has the effect {label_of(name, target)} already",
-            file=job.path,
-            line=line_of_key(text, ["effects", name, target]),
-            hint="take it out of the job first, or go on from the job before it",
-        )
 
 
 def _effect_toml(effect: NamedEffect) -> str:

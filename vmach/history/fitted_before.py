@@ -14,13 +14,16 @@ from typing import Any
 
 import tomlkit
 
+from vmach.effects import label_of
 from vmach.errors import InputError
+from vmach.files.toml_file import line_of_key
 from vmach.history.job_text import checked_job, parsed_job, take_fits
 from vmach.job import Job, read_job
 from vmach.job.path_keys import change_paths
 
 __all__ = [
     "Key",
+    "check_new",
     "fitted_before",
     "is_there",
     "take_effects",
@@ -135,3 +138,20 @@ def is_there(effects: Mapping[str, Any], name: str, target: str) -> bool:
     return (target in table.keys() - plain.keys()) or (
         bool(plain) and plain.get("target", "") == target
     )
+
+
+def check_new(job: Job, text: str, name: str, target: str) -> None:
+    """Complain about an effect that the job has.
+
+    Raises
+    ------
+    InputError
+        It is there already.
+    """
+    if is_there(job.effects, name, target):
+        raise InputError(
+            f"the job has the effect {label_of(name, target)} already",
+            file=job.path,
+            line=line_of_key(text, ["effects", name, target]),
+            hint="take it out of the job first, or go on from the job before it",
+        )

@@ -15,7 +15,7 @@ from vmach.effects import EffectInstance, read_effects
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
 from vmach.files.toml_file import line_of_key
-from vmach.history.fitted_before import Key, is_there, take_effects
+from vmach.history.fitted_before import Key, check_new, take_effects
 from vmach.history.following_job import history_toml, moved_path, moved_text
 from vmach.history.job_text import take_fits, with_tables
 from vmach.history.new_job_files import write_new_job
@@ -78,7 +78,7 @@ def take_effects_of(
         raise InputError(f"none of its effects acts on {job.path}: {said}", file=other.path)
     text = read_text(job.path, what="job file")
     for one in taken:
-        _check_new(job, text, one)
+        check_new(job, text, *_key(one))
     own = {one.effect.name: one.effect.file for one in taken if one.effect.file}
 
     def texts(target: Path) -> dict[Path, str]:
@@ -129,16 +129,6 @@ def _size(tool: JobTool) -> tuple[float, float, int | None]:
 
 def _is_same_offset(name: str, other: Job, job: Job) -> bool:
     return tuple(other.work_offsets_mm[name]) == tuple(job.work_offsets_mm[name])
-
-
-def _check_new(job: Job, text: str, one: EffectInstance) -> None:
-    if is_there(job.effects, *_key(one)):
-        raise InputError(
-            f"the job has the effect {one.label} already",
-            file=job.path,
-            line=line_of_key(text, ["effects", *filter(None, _key(one))]),
-            hint="take it out of the job first",
-        )
 
 
 def _tables(other: Job, left: Collection[Key], folder: Path) -> str:
