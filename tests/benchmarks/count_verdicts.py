@@ -117,7 +117,7 @@ def _print_noise(noise: str, rows: list[dict]) -> None:
     clean = [row for row in rows if row["kind"] == "none"]
     known = [row for row in rows if row["kind"] not in (*FOREIGN_KINDS, *BESIDE)]
     hidden = [row for row in known if row["kind"] != "none"]
-    right, held = _count(hidden, _is_right), _held(rows)
+    right, held = _count(hidden, is_right), _held(rows)
     sums = [sum(int(row[c] or 0) for row in hidden) for c in ("true", "named", "hidden_count")]
     print(
         f"| {noise.replace('_', ' ')} | {_count(clean, _is_false)} of {len(clean)} "
@@ -126,7 +126,8 @@ def _print_noise(noise: str, rows: list[dict]) -> None:
     )
 
 
-def _is_right(row: dict) -> bool:
+def is_right(row: dict) -> bool:
+    """Whether what is there is told, or a class of at most five that holds it, and no more."""
     if row["kind"] in BESIDE:  # what is told is there: the effect, and a cause that acts like one
         return row["named"] == row["true"] != "0"
     return row["outcome"] in ("right", "class")
@@ -151,9 +152,9 @@ def _has_forms(row: dict) -> bool:
 
 
 def _print_line(name: str, rows: list[dict]) -> None:
-    counts = _count(rows, _is_right), _count(rows, _is_false)
+    counts = _count(rows, is_right), _count(rows, _is_false)
     limits = [_limits(hits, len(rows)) for hits in counts]
-    larger = _count(rows, lambda row: row["outcome"] == "vague" and not _is_right(row))
+    larger = _count(rows, lambda row: row["outcome"] == "vague" and not is_right(row))
     print(
         f"| {name} | {len(rows)} | {counts[0]} | {limits[0]} | {larger} "
         f"| {counts[1]} | {limits[1]} |"
