@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 
 from gcode import MoveKind, Moves
+from stock.threads import run_in_parts
 from vmach.base.alike_rows import alike_rows
 from vmach.path.geometry import move_length_mm, position_at
 from vmach.path.toolpath import PathStates
@@ -32,6 +33,8 @@ _GOUGE_MM = 0.05
 _VERTICAL = 1e-6
 #: sine or cosine of an angle below which two lines count as parallel or square
 _PARALLEL = 1e-9
+#: contacts that are worth a thread; each looks at all that was cut before
+_LEAST = 32
 
 
 class Engagement(NamedTuple):
@@ -65,12 +68,14 @@ class _Chords(NamedTuple):
 
     `start_mm` and `end_mm` are (M, 3); `way_radius_mm` (M, 2) is the way of the program up to the
     start, and the tool's radius; `cut` (M,) is the number of the cut, from one rapid to the next.
+    `middle_reach_mm` (M, 3) is a circle about all that a piece sweeps: X, Y and radius.
     """
 
     start_mm: np.ndarray
     end_mm: np.ndarray
     way_radius_mm: np.ndarray
     cut: np.ndarray
+    middle_reach_mm: np.ndarray
 
 
 def engagement(states: PathStates, normal: np.ndarray, radii_mm: np.ndarray) -> Engagement:
@@ -111,7 +116,14 @@ def _of_each(
         way[states.move] + states.parameter * length[states.move],
         radii_mm[states.tool],
     )
-    return _depths(contacts, _chords(states, radii_mm, way_mm=way, length_mm=length))
+    chords = _chords(states, radii_mm, way_mm=way, length_mm=length)
+    radial, top = np.zeros(len(normal)), np.full(len(normal), np.inf)
+
+    def kernel(begin: int, end: int) -> None:
+        _find_depths(begin, end, contacts, chords, radial, top)
+
+    run_in_parts(kernel, len(normal), least=_LEAST)
+    return radial, top
 
 
 def _across_axis_mm(moves: Moves) -> np.ndarray:
@@ -137,24 +149,26 @@ def _chords(
     step = np.arange(len(move)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
     count = np.repeat(pieces, pieces)
     drop = np.column_stack([np.zeros((len(move), 2)), tool_length[move]])
-    way = way_mm[move] + step / count * length_mm[move]
+    way, radii = way_mm[move] + step / count * length_mm[move], radii_mm[moves.tool[move]]
+    start = position_at(moves, move, step / count) - drop
+    end = position_at(moves, move, (step + 1) / count) - drop
+    half = 0.5 * (end - start)[:, :2]
     return _Chords(
-        position_at(moves, move, step / count) - drop,
-        position_at(moves, move, (step + 1) / count) - drop,
-        np.column_stack([way, radii_mm[moves.tool[move]]]),
+        start,
+        end,
+        np.column_stack([way, radii]),
         np.cumsum(moves.kind == MoveKind.RAPID)[move],
+        np.column_stack([start[:, :2] + half, np.hypot(*half.T) + radii]),
     )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _depths(contacts, chords):
-    """Depth at every contact, and the height to which material before it reached, (P,) mm."""
-    depth, top = np.zeros(len(contacts.position_mm)), np.full(len(contacts.position_mm), np.inf)
-    for k in range(len(depth)):
+def _find_depths(begin, end, contacts, chords, depth, top):
+    """Depth at some contacts, and the height to which material before it reached, (P,) mm."""
+    for k in range(begin, end):
         if contacts.direction[k, 0] != 0.0 or contacts.direction[k, 1] != 0.0:
             depth[k] = _depth(contacts, k, chords)
             top[k] = _top(contacts, k, chords, 0.5 * depth[k])
-    return depth, top
 
 
 @njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
@@ -169,7 +183,7 @@ def _top(contacts, k, chords, before):
         if left <= 0.0:
             break
         tip = max(start[c, 2], end[c, 2])
-        if tip < height or tip >= top:
+        if tip < height or tip >= top or _is_beyond(chords, c, (x, y), 0.0):
             continue
         chord_x, chord_y = end[c, 0] - start[c, 0], end[c, 1] - start[c, 1]
         share = min(1.0, left / max(math.hypot(chord_x, chord_y), left))
@@ -194,7 +208,7 @@ def _depth(contacts, k, chords):
         left = way - chords.way_radius_mm[c, 0]
         if left <= 0.0:
             break
-        if min(start[c, 2], end[c, 2]) > point[2]:
+        if min(start[c, 2], end[c, 2]) > point[2] or _is_beyond(chords, c, point, in_cut):
             continue
         x, y = end[c, 0] - start[c, 0], end[c, 1] - start[c, 1]
         # of the chord that the tool is on, only what lies well behind it
@@ -204,6 +218,14 @@ def _depth(contacts, k, chords):
         in_cut = min(in_cut, _entry(offset, normal, chord, radius))
         gouges = gouges or _distance(offset, chord) < radius - _GOUGE_MM
     return max(nearest if gouges else min(nearest, in_cut), 0.0)
+
+
+@njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+def _is_beyond(chords, c, point, way):
+    """Whether nothing that chord c sweeps lies within some way of a point."""
+    x, y = chords.middle_reach_mm[c, 0] - point[0], chords.middle_reach_mm[c, 1] - point[1]
+    reach = chords.middle_reach_mm[c, 2] + way
+    return x * x + y * y > reach * reach
 
 
 @njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
