@@ -215,6 +215,41 @@ def test_contacting_circles_of_a_rough_ring_need_more_than_one_step(criterion):
 
 
 @pytest.mark.parametrize("criterion", ["inscribed", "circumscribed"])
+@pytest.mark.parametrize("seed", [6, 27])
+def test_contacting_cylinders_of_a_short_boss(seed, criterion):
+    """A boss of 86 mm, lost motion in both axes, measured all round over 4 mm: it may lean.
+
+    Linear steps were still gaining 1e-11 mm each when they ended, and the points were refused as
+    if they did not go all round.
+    """
+    side = 1.0 if criterion == "circumscribed" else -1.0
+    turn, z = (v.ravel() for v in np.meshgrid(np.radians(np.arange(0, 360, 6)), [-2.0, 0.0, 2.0]))
+    size = (
+        43
+        + 4e-3 * np.sign(np.sin(2 * turn))
+        + np.random.default_rng(seed).normal(0, 5e-4, len(turn))
+    )
+    points = np.column_stack([size * np.cos(turn), size * np.sin(turn), z])
+
+    def radii(q):  # of an axis that passes z = 0 at q[:2], um, and leans by q[2:], um at 10 mm
+        axis = np.array([*(1e-4 * q[2:]), 1.0])
+        return np.linalg.norm(np.cross(points - [*(1e-3 * q[:2]), 0.0], axis), axis=1) / (
+            np.linalg.norm(axis)
+        )
+
+    best = min(
+        minimize(
+            lambda q: side * q[4], [*start, side * 20.0], method="SLSQP", bounds=[(-99, 99)] * 5,
+            options={"ftol": 1e-13}, constraints={"type": "ineq",
+                         "fun": lambda q: side * (q[4] - 1e3 * (radii(q[:4]) - 43.0))},
+        ).fun
+        for start in np.random.default_rng(1).normal(0, 0.3, (4, 4))
+    )  # fmt: skip
+    found = associate(Surface("cylinder", [0] * 3, [0, 0, 1], 43.0), points, criterion=criterion)
+    assert found.value_mm == pytest.approx(43.0 + 1e-3 * side * best, abs=ZONE_MM)
+
+
+@pytest.mark.parametrize("criterion", ["inscribed", "circumscribed"])
 @pytest.mark.parametrize("span_deg", [60, 157.5])
 @pytest.mark.parametrize("kind", ["cylinder", "sphere"])
 def test_contacting_surfaces_want_points_all_round(kind, span_deg, criterion):

@@ -34,6 +34,8 @@ _ITERATIONS = 100
 _ROUND = ("inscribed", "circumscribed")
 #: points lie on one side where a direction has at least this share of all that point to them
 _ONE_SIDED = 1e-9
+#: a radius that still gains this much in the last step has no end; a flat optimum gains less, mm
+_OPEN_MM = 1e-7
 
 
 @dataclass(frozen=True)
@@ -263,7 +265,7 @@ def _extremal(state: _State, allowed: np.ndarray, criterion: str) -> Association
         if (hoped < 1e-12 and criterion != "tangent") or trust < 1e-13:
             break
     else:
-        if criterion in _ROUND:
+        if criterion in _ROUND and hoped > _OPEN_MM:
             raise _not_all_round(state, criterion)
     gain = basis @ _active_gain(rows @ basis, active, problem.level(state, weight))
     return state.result(problem.reported(best), problem.reported_weight(weight), gain)
