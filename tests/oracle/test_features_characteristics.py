@@ -195,6 +195,7 @@ REFUSED = [
     ("top", "25 H7", "'top' is a plane, which has no size"),
     ("pin", "coaxiality Ø0.1 D", "is 60 mm beside that of the datum"),
     ("left", "distance 30 ±0.1 to top", "are not parallel"),
+    ("top", "distance 20 ±0.1 to bottom", "accepted: the nominal distance of the CAD$"),
     ("bore 1", "35 Q7", "tolerance class 'Q7'; accepted: a letter from A to H"),
     ("bore 1", "20 +0.1 +0.1", "both limits are 0.1 mm"),
     # of a single limit the last digits of the nominal size were taken for the other one
@@ -206,6 +207,14 @@ REFUSED = [
     ("bore 1", "position Ø0.1 a", "'a' is no datum; accepted: capital letters"),
     ("bore 1", "position Ø0.1M A", "'M' is no datum.*maximum material"),
     ("bore 1", "position Ø0 A B C", "a value above 0"),
+    ("bore 1", "cylindricity 10 um", "'um' is no datum.*hint: values are in mm"),
+    ("bore 1", "cylindricity 1e-3", "hint: without a power of ten"),
+    ("bore 1", '0.787" ±0.001', "hint: values are in mm"),
+    ("bore 1", "20 ±0", "both limits are 0 mm"),
+    # a round zone of what has no axis was taken for one between planes
+    ("bottom", "parallelism Ø0.01 A", "a plane has no zone with Ø; accepted: the value without"),
+    ("top", "flatness Ø0.01", "a flatness has no zone with Ø"),
+    ("bore 1", "position SØ0.1 A B C", "a cylinder has no zone with SØ"),
     ("ball", "straightness Ø0.1", "accepted: Ø for the median line"),
     ("top", "straightness 0.1 along Z", "the plane is normal to Z"),
     ("bore 1", "circular runout 0.1 D", "'bore 1' does not turn about the axis of the datum"),

@@ -30,6 +30,11 @@ _FORM = {
     "straightness": straightness,
 }
 
+#: characteristics whose zone may be a cylinder or a ball (ISO 1101), and elements that have one
+_ROUND_ZONES = ("parallelism", "perpendicularity", "angularity", "position", "coaxiality")
+_CENTRED = ("sphere",)
+_WITH_AXIS = ("cylinder", "cone", "torus", *_CENTRED)
+
 
 @dataclass(frozen=True)
 class Requirement:
@@ -105,6 +110,7 @@ def evaluate(drawing: Drawing, requirement: Requirement, points: Points) -> list
     feature, callout = drawing.feature(requirement.feature), requirement.callout
     name = callout.characteristic
     _check_not_its_own_datum(drawing, feature, callout)
+    _check_zone(feature, callout)
     if name == "size":
         return size(feature, points, callout)
     if name == "distance":
@@ -144,3 +150,18 @@ def _check_not_its_own_datum(drawing: Drawing, feature: Feature, callout: Callou
                 f"tolerance {callout.text!r} of {feature.name!r}, which is datum {letter} itself",
                 accepted="datums of other features",
             )
+
+
+def _check_zone(feature: Feature, callout: Callout) -> None:
+    """Refuse a round zone of what has no axis and no centre, or of a form that has none."""
+    if callout.is_size or not callout.zone or callout.characteristic == "straightness":
+        return
+    round_of = _CENTRED if callout.zone == "SØ" else _WITH_AXIS
+    if callout.characteristic in _ROUND_ZONES and feature.element in round_of:
+        return
+    which = feature.kind if callout.characteristic in _ROUND_ZONES else callout.characteristic
+    said = f"tolerance {callout.text!r} of {feature.name!r}"
+    raise InputError(
+        f"{said}: a {which} has no zone with {callout.zone}",
+        accepted="the value without it; Ø of an axis, SØ of the centre of a ball",
+    )

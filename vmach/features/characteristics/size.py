@@ -59,10 +59,11 @@ def _extremes(found: list[Measure]) -> list[Measure]:
 
 def _check_nominal(feature: Feature, callout: Callout, has_mm: float) -> None:
     if abs(has_mm - callout.nominal_mm) > max(_SAME_MM, 10.0 * callout.tolerance_mm):
+        what = "distance" if callout.to else "size"
         raise InputError(
             f"tolerance {callout.text!r} of {feature.name!r}, which is {has_mm:.6g} mm in the CAD",
-            accepted="the nominal size of the CAD",
-            hint="Ø or nothing means the diameter, R the radius",
+            accepted=f"the nominal {what} of the CAD",
+            hint=None if callout.to else "Ø or nothing means the diameter, R the radius",
         )
 
 

@@ -129,13 +129,28 @@ def read_callout(text: str) -> Callout:
             return _read_frame(text, _ALIASES.get(name, name), words[len(name) :])
     known = ", ".join(CHARACTERISTICS)
     raise InputError(
-        f"tolerance {text!r}", accepted=f"{_EXAMPLE}; or a value after {known}", hint=_comma(words)
+        f"tolerance {text!r}", accepted=f"{_EXAMPLE}; or a value after {known}", hint=_hint(words)
     )
 
 
-def _comma(words: str) -> str | None:
-    """What to do about a decimal comma; None without one."""
-    return "decimals follow a point" if re.search(r"\d,\d", words) else None
+def _hint(words: str) -> str | None:
+    """What to do about a comma, a power of ten, another unit or a modifier; None without one."""
+    for pattern, said in _SLIPS:
+        if re.search(pattern, words):
+            return said
+    return None
+
+
+#: what drawings of other offices say, and what to write
+_SLIPS = (
+    (r"\d,\d", "decimals follow a point"),
+    (r"\d[eE][+-]?\d", "without a power of ten: 0.001"),
+    (r"(?i)\d\s*(?:[uµμ]m|microns?|in|inch|mil|thou|[\"″])(?![a-z])", "values are in mm"),
+    (
+        r"[ⓂⓁⓅⒻ]|\([MLPFT]\)|\d[MLPFT]\b|\b(?:CZ|SZ|UZ|MMC|LMC)\b",
+        "maximum material and other modifiers are not evaluated",
+    ),
+)
 
 
 def _read_size(text: str, found: re.Match) -> Callout:
@@ -147,7 +162,9 @@ def _read_size(text: str, found: re.Match) -> Callout:
     else:
         low, high = sorted(_signed(found[name]) for name in ("one", "other"))
     if not low < high:
-        raise InputError(f"tolerance {text!r}: both limits are {low:g} mm", accepted="two limits")
+        raise InputError(
+            f"tolerance {text!r}: both limits are {low + 0.0:g} mm", accepted="two limits"
+        )
     is_distance = found["what"] == "distance"
     if is_distance and not found["to"]:
         raise InputError(f"tolerance {text!r}", accepted="'distance 25 ±0.1 to NAME'")
@@ -180,7 +197,7 @@ def _read_frame(text: str, name: str, rest: str) -> Callout:
         raise InputError(
             f"tolerance {text!r}",
             accepted=f"'{name} 0.05' and letters of datums, a value above 0",
-            hint=_comma(rest),
+            hint=_hint(rest),
         )
     datums = found["rest"].replace(",", " ").split()
     wrong = [word for word in datums if not _DATUM.fullmatch(word)]
@@ -190,8 +207,8 @@ def _read_frame(text: str, name: str, rest: str) -> Callout:
         raise InputError(
             f"tolerance {text!r}: {wrong[0]!r} is no datum",
             accepted="capital letters, as A, B or A-B; 'along X'",
-            hint="maximum material and other modifiers are not evaluated",
-        )  # fmt: skip
+            hint=_hint(rest),
+        )
     fewest, most = CHARACTERISTICS[name]
     if not fewest <= len(datums) <= most:
         count = str(fewest) if fewest == most else f"{fewest} to {most}"
