@@ -323,6 +323,9 @@ WITH_FILES = 'schema = 1\n[cases]\njob = "job.toml"\npoints = "points.csv"\n'
         (WITH_FILES + 'model = ["q"]\n', 5, "model = 'q'; accepted: none, "),
         (WITH_FILES + 'machine = ["machine.toml", "nope.toml"]\n', 5, "nope.toml': no such file"),
         (WITH_FILES + "program = 3\n", 5, "program = 3: no such file"),
+        # false drew one machine all the same, as did any text
+        (WITH_FILES + "draw = false\n", 5, "draw = False; accepted: a whole number from 1"),
+        (WITH_FILES + 'draw = ["one"]\n', 5, "draw = 'one'; accepted: a whole number from 1"),
         ('schema = 1\n[cases]\npoints = "points.csv"\n', 2, "the cases have no 'job'"),
         ('schema = 1\ntable = "c.csv"\n', 2, "model = 'q'"),
         (WITH_FILES.replace("[cases]", "draws = 1000000000\n[cases]"), 2, "1000000000 cases"),

@@ -97,6 +97,9 @@ def _check_values(
         for value in values.get(name, ()):
             if not isinstance(value, str) or not _is_there(folder / value, name):
                 raise fail(name, f"{name} = {value!r}: no such file", "the name of a file")
+    for value in values.get("draw", ()):
+        if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+            raise fail("draw", f"draw = {value!r}", "a whole number from 1")
     for value in values.get("model", ()):
         if value not in list(Variant):
             raise fail("model", f"model = {value!r}", ", ".join(Variant))
