@@ -13,7 +13,7 @@ machining of free-form slots) for arms that start at the reflector.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -143,10 +143,11 @@ def contributions(
     *,
     direction: np.ndarray | None = None,
     rotary_rad: np.ndarray | None = None,
+    names: Collection[str] | None = None,
 ) -> Iterator[tuple[str, RigidDisplacement]]:
     """The share of every component error at P places, by its ISO 230-1 symbol; they add up.
 
-    Parameters as in `displacement`.
+    Parameters as in `displacement`; `names` are the symbols wanted, all where left out.
     """
     if variant is Variant.NONE:
         return
@@ -159,11 +160,15 @@ def contributions(
             "direction": _signs(machine, direction),
         }
         for name, one in single_errors(machine):
+            if names is not None and name not in names:
+                continue
             yield name, RigidDisplacement(*rotary_displacement(one, nose_mm, tool_mm, **common))
         return
     arms_mm = tool_mm + machine.chain.arm_masks[:, None, :] * nose_mm
     signs = _signs(machine, direction)
     for name, component in machine.components.items():
+        if names is not None and name not in names:
+            continue
         kind, axis, angular = component_of(name)
         way = None if signs is None else signs[:, axis]
         value = machine.component_sign(name) * component.evaluate(nose_mm[:, axis], way)
@@ -173,7 +178,9 @@ def contributions(
             yield name, _turn(value, kind, arms_mm[axis], starts_mm)
         else:
             yield name, _push(value, kind)
-    yield from _squareness(machine, nose_mm)
+    for name, part in _squareness(machine, nose_mm):
+        if names is None or name in names:
+            yield name, part
 
 
 def _reference(machine: Machine, variant: Variant) -> tuple[np.ndarray, np.ndarray]:

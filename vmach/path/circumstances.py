@@ -329,13 +329,17 @@ class Circumstances:
 
     def lever(self, component: str) -> RigidDisplacement:
         """Displacement of the tool by one unit (mm or rad) of a component error everywhere."""
+        if component not in self._levers:
+            # of a long path each takes as much room as the path itself: no other is made
+            self._levers[component] = levers(
+                self.job.machine, self.nose_mm, self.tool_mm, self.variant,
+                rotary_rad=self.rotary_rad, names=(component,),
+            )[component]  # fmt: skip
         return self._levers[component]
 
     @cached_property
     def _levers(self) -> dict[str, RigidDisplacement]:
-        return levers(
-            self.job.machine, self.nose_mm, self.tool_mm, self.variant, rotary_rad=self.rotary_rad
-        )
+        return {}
 
     def location_lever(self, name: str) -> RigidDisplacement:
         """Displacement of the tool by one unit (mm or rad) of a location error such as ``EX0C``."""

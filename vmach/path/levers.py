@@ -6,6 +6,7 @@ by e_i x arm (`vmach.machine.displacement`).
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 from functools import lru_cache
 
@@ -34,6 +35,7 @@ def levers(
     variant: Variant = Variant.ABBE,
     *,
     rotary_rad: np.ndarray | None = None,
+    names: Collection[str] = COMPONENT_NAMES,
 ) -> dict[str, RigidDisplacement]:
     """Displacement of the tool by one unit (mm or rad) of each component error everywhere.
 
@@ -46,6 +48,8 @@ def levers(
         From where the arms of angular errors count.
     rotary_rad : (P, 3) float64, optional
         Angles of A, B and C; zero without them.
+    names : collection of str
+        The component errors wanted.
     """
     units = {}
     for name in COMPONENT_NAMES:
@@ -55,7 +59,7 @@ def levers(
         units[name] = _unit(name, (0.0, 0.0, 0.0) if at is None else tuple(at.tolist()))
     changed = replace(machine, components=units)
     angles = np.zeros_like(nose_mm) if rotary_rad is None else rotary_rad
-    own = contributions(changed, nose_mm, tool_mm, variant, rotary_rad=angles)
+    own = contributions(changed, nose_mm, tool_mm, variant, rotary_rad=angles, names=names)
     return {name: in_machine_axes(machine, moved, nose_mm, angles) for name, moved in own}
 
 
