@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,6 +12,9 @@ from vmach.fit.terms import JointFit
 from vmach.fit.uncertainty import Otherwise, Spread, parameter_uncertainty
 
 __all__ = ["FittedParameters", "alike_parameters", "fitted_parameters", "fitted_values"]
+
+#: a change shorter than this, of the longest, is one of rounding
+_STILL = 1e-9
 
 
 @dataclass(frozen=True)
@@ -26,12 +29,18 @@ class FittedParameters:
         Of each parameter (low, high); empty for a component.
     weakly_identified : tuple of str
         Parameters of which the readings say hardly more than was known before.
+    near_u : dict
+        The part of `u` that is around the values; beyond it others do the same to all readings.
+    leaps : tuple of dict
+        Independent changes, one standard uncertainty each, that those others make up.
     """
 
     values: dict
     u: dict
     interval_95: dict = field(default_factory=dict)
     weakly_identified: tuple[str, ...] = ()
+    near_u: dict = field(default_factory=dict)
+    leaps: tuple[dict[str, float], ...] = ()
 
 
 def fitted_values(fit: JointFit, k: int) -> dict:
@@ -56,16 +65,19 @@ def fitted_parameters(
     if fit.terms[k].effect.corrects_table:
         path = fit.posterior.base.survey.paths[0]
         return FittedParameters(*component_parameters(fit, k, path))
-    values = fit.parameters(k)
+    values, alike = fit.parameters(k), alike_parameters(fit, k)
+    near = parameter_uncertainty(fit, k, others, sizes)
     spreads = {
-        name: _over(spread, values[name], [other[name] for other in alike_parameters(fit, k)])
-        for name, spread in parameter_uncertainty(fit, k, others, sizes).items()
+        name: _over(spread, values[name], [other[name] for other in alike])
+        for name, spread in near.items()
     }
     return FittedParameters(
         values=values,
         u={name: spread.u for name, spread in spreads.items()},
         interval_95={name: (spread.low, spread.high) for name, spread in spreads.items()},
         weakly_identified=tuple(name for name, spread in spreads.items() if not spread.is_shown),
+        near_u={name: spread.u for name, spread in near.items()},
+        leaps=_leaps(values, alike),
     )
 
 
@@ -85,3 +97,21 @@ def _over(spread: Spread, value: float, others: Sequence[float]) -> Spread:
         return spread
     u = float(np.sqrt(spread.u**2 + np.sum(away**2) / (1.0 + len(away))))
     return Spread(u, min(spread.low, *others), max(spread.high, *others), is_shown=False)
+
+
+def _leaps(
+    values: Mapping[str, float], others: Sequence[Mapping[str, float]]
+) -> tuple[dict[str, float], ...]:
+    """Independent changes whose squares are the variance over values as probable as those stated.
+
+    Source: JCGM 100:2008 (GUM), eq. 13; derived here: changes along the principal axes of a
+    covariance are independent.
+    """
+    names = list(values)
+    away = np.array([[other[name] - values[name] for name in names] for other in others])
+    if not away.size:
+        return ()
+    _, lengths, axes = np.linalg.svd(away / np.sqrt(1.0 + len(others)), full_matrices=False)
+    moved = lengths > _STILL * lengths.max()
+    rows = lengths[moved, None] * axes[moved]
+    return tuple(dict(zip(names, row, strict=True)) for row in rows.tolist())

@@ -158,7 +158,10 @@ def _named_effect(
         path = fit.posterior.base.survey.paths[0]
         one_sigma, unit = component_directions(fit, k, path)
     else:
-        one_sigma, unit = _as_wide_as(fitted.u, fit.directions(k)), fit.unit_changes(k)
+        # another wave that reads the same is no small change, and shared with no other effect
+        near, unit = _as_wide_as(fitted.near_u, fit.directions(k)), fit.unit_changes(k)
+        one_sigma = [*near, *fitted.leaps]
+        unit = np.vstack([unit, np.zeros((len(fitted.leaps), unit.shape[1]))])
     moves = [k for k, change in enumerate(one_sigma) if any(np.any(v) for v in change.values())]
     named = NamedEffect(
         effect=term.effect,
