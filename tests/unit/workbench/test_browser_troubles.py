@@ -448,6 +448,32 @@ def test_figures_of_the_job_before_are_not_shown_while_another_one_is_read(tab):
 # ---- what was written stays
 
 
+def test_a_slider_that_is_moved_while_the_effects_come_stays(tab, folder):
+    """The effects come after the part is drawn; a slider of before may be moved already."""
+    open_job(tab, "part/job.toml")
+    tab.locator("#tab-what-if").click()
+    tab.get_by_label("Find an effect").fill("backlash y")
+    slider = tab.get_by_label("backlash Y reversal")
+    slider.wait_for()
+    late, asked = [], []
+    tab.route("**/api/effects", lambda route: late.append(route))
+    tab.route("**/api/what-if", lambda route: asked.append(route))
+    replace(folder / "job.toml", (folder / "job.toml").read_text() + "\n")
+    until(lambda: tab.wait_for_timeout(20) or late)
+    slider.fill("150")
+    until(lambda: tab.wait_for_timeout(20) or asked)
+    with tab.expect_response("**/api/effects"):
+        late.pop().continue_()
+    tab.wait_for_timeout(200)  # the page has drawn them
+    asked.pop().continue_()
+    says(tab, "#what-if-residual", "with the sliders")
+    assert tab.locator(".tag.moved").inner_text() == "moved Y"
+    tab.unroute("**/api/what-if")
+    tab.unroute("**/api/effects")
+    tab.get_by_role("button", name="Reset").click()
+    tab.get_by_label("Find an effect").fill("")
+
+
 def test_the_text_of_a_law_outlives_a_reload(tab):
     tab.locator("#tab-propose").click()
     tab.get_by_label("Python of the effect").fill("# half a law")

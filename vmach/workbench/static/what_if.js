@@ -7,7 +7,7 @@ import { runBox, startRun } from "./runs.js";
 import { machineChanges, machineSection, showMachine } from "./machine_data.js";
 import { applyValues, stage } from "./stage.js";
 
-const state = { cards: [], machine: [], values: new Map(), gesture: 1, movedBy: 1, isWaiting: false, isDirty: false, isHeld: false, panel: null, open: new Set() };
+const state = { cards: [], machine: [], values: new Map(), gesture: 1, movedBy: 1, moves: 0, isWaiting: false, isDirty: false, isHeld: false, panel: null, open: new Set() };
 const STEPS = 200, SETTLED_MS = 700;
 const keyOf = (card) => card.effect + ":" + card.target;
 
@@ -27,9 +27,12 @@ export function whatIfPanel(panel) {
     el("details", { class: "effect", id: "machine-data" }, el("summary", {}, el("b", {}, "Machine data: tables, reflectors")), machine), list);
   filter.oninput = () => showCards(list, filter.value.toLowerCase());
   bench.on("part", attempt(async () => {
-    ({ cards: state.cards, machine: state.machine } = await get("/api/effects"));
+    const { moves } = state, { revision } = bench.state, found = await get("/api/effects");
+    if (revision !== bench.state.revision) return; // of a job that is open no more
+    ({ cards: state.cards, machine: state.machine } = found);
     bench.cards = state.cards;
-    readChanges(bench.state.changes);
+    if (moves === state.moves) readChanges(bench.state.changes);
+    else showMachine(state.machine, machineChanges()); // what was moved meanwhile stays
     showCards(list, filter.value.toLowerCase());
     showResidual(null);
     if (changesNow().length) await push(); // of sliders that stand already
@@ -121,6 +124,7 @@ function change(values, isRedrawn = true) {
 }
 
 function moved() {
+  state.moves += 1;
   state.movedBy = state.gesture;
   push();
 }
