@@ -21,7 +21,7 @@ from playwright.sync_api import Page, sync_playwright
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
 #: of the window, px; and how well the pictures are kept
-SIZE, QUALITY = {"width": 1400, "height": 860}, 82
+SIZE, QUALITY = {"width": 1400, "height": 900}, 82
 PATIENCE_MS = 600_000
 FLAGS = [
     "--no-sandbox",
@@ -44,23 +44,31 @@ def main() -> None:
         words = [sys.executable, "-m", "vmach", "open", str(job), "--no-browser"]
         environment = os.environ | {"XDG_STATE_HOME": folder}  # no trace among the user's jobs
         server = subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=environment)
-        assert server.stdout is not None
-        address = re.search(r"http\S+", server.stdout.readline())
-        assert address is not None
-        with sync_playwright() as playwright:
-            chromium = playwright.chromium.launch(executable_path=browser, args=FLAGS)
-            page = chromium.new_page(viewport=SIZE)
-            page.set_default_timeout(PATIENCE_MS)
-            page.goto(address[0])
-            tour(page)
-            chromium.close()
-        server.send_signal(signal.SIGINT)
-        server.wait(30)
+        try:
+            walk(server, browser)
+        finally:
+            server.send_signal(signal.SIGINT)
+            server.wait(30)
+
+
+def walk(server: subprocess.Popen[str], browser: str) -> None:
+    """The tour in a browser of its own, at the address that the server prints."""
+    assert server.stdout is not None
+    address = re.search(r"http\S+", server.stdout.readline())
+    assert address is not None
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=browser, args=FLAGS)
+        page = chromium.new_page(viewport=SIZE)
+        page.set_default_timeout(PATIENCE_MS)
+        page.goto(address[0])
+        tour(page)
+        chromium.close()
 
 
 def tour(page: Page) -> None:
     """The stops of workbench.md, in their order."""
     ready(page)
+    given = page.locator("#job-name").inner_text()
     box = page.locator("#canvas").bounding_box()
     assert box is not None
     page.mouse.click(box["x"] + 0.52 * box["width"], box["y"] + 0.48 * box["height"])
@@ -83,10 +91,9 @@ def tour(page: Page) -> None:
     ready(page)
     keep(page, "add")
     page.locator("#undo").click()
-    page.get_by_text("as given").first.wait_for()
-    ready(page)
+    drawn_again(page, given)
     page.locator("#tab-what-if").click()
-    page.get_by_label("Find an effect").fill("backlash")
+    page.get_by_label("Find an effect").fill("backlash y")
     page.get_by_label("backlash Y reversal").fill("124")
     page.locator("#machine-data summary").click()
     page.get_by_text("with the sliders").wait_for()
@@ -96,6 +103,16 @@ def tour(page: Page) -> None:
 def ready(page: Page) -> None:
     """Wait until the part is drawn."""
     page.wait_for_selector("body[data-ready=part]")
+
+
+def drawn_again(page: Page, name: str) -> None:
+    """Wait until the part of the job of a name is drawn in the place of another job's.
+
+    The part that is drawn already says nothing: it may be that of the job before.
+    """
+    is_named = re.compile(f"^{re.escape(name)}$")
+    page.locator("#job-name", has_text=is_named).wait_for()
+    ready(page)
 
 
 def keep(page: Page, name: str) -> None:
