@@ -104,6 +104,7 @@ class CommandRuns:
         self._room = asyncio.Semaphore(_MOST_AT_WORK)
         self._tasks: set[asyncio.Task] = set()
         self.runs: list[CommandRun] = []
+        self._count = 0
 
     def start(
         self, kind: str, words: Sequence[str], done: Done | None = None, *, cut: Done | None = None
@@ -119,8 +120,8 @@ class CommandRuns:
         """
         if any(run.kind == kind and not run.is_over for run in self.runs):
             raise InputError(f"{kind} is at work already", hint="wait for it, or stop it")
-        number = self.runs[-1].number + 1 if self.runs else 1
-        run = CommandRun(number, kind, tuple(words))
+        self._count += 1
+        run = CommandRun(self._count, kind, tuple(words))
         self.runs = [*self.runs, run][-_MOST_KEPT:]
         task = asyncio.get_running_loop().create_task(self._carry_out(run, done, cut))
         self._tasks.add(task)
@@ -148,6 +149,10 @@ class CommandRuns:
         if run.process is not None:
             _end(run.process)
         self._tell(run)
+
+    def forget(self, kind: str) -> None:
+        """Keep nothing of runs of a kind that are over."""
+        self.runs = [run for run in self.runs if run.kind != kind or not run.is_over]
 
     def close(self) -> None:
         """End everything at once."""

@@ -60,7 +60,7 @@ def build_server(
 
     @contextlib.asynccontextmanager
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
-        watch = asyncio.create_task(session.keep_watch())
+        watch = asyncio.create_task(session.keep_watch(lambda: diagnosis.evaluate_again(session)))
         if session.job is not None:
             first = asyncio.create_task(session.watch_files())
             first.add_done_callback(lambda task: None)

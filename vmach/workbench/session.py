@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 import os
 import time
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,7 @@ from vmach.workbench.opened_folder import OpenedFolder
 from vmach.workbench.recent_jobs import remember_job
 from vmach.workbench.steps_back import Step, StepsBack
 
-__all__ = ["RESULTS", "Session", "changed_since"]
+__all__ = ["RESULTS", "Session", "changed_since", "contents_of"]
 
 #: where results lie beside the jobs, as on the command line
 RESULTS = "vmach-results"
@@ -70,7 +70,7 @@ class Session:
         self._model: RemoteModel | None = None
         self._picture: LastPicture | None = None
         self._started_ns = 0
-        self._watch = FileWatch()
+        self._watch, self._part_watch = FileWatch(), FileWatch()
 
     def open(self, job: Path) -> None:
         """Open a job, and its folder if that is not open.
@@ -152,7 +152,8 @@ class Session:
             self.runs.close()
         if self.other is not None:
             self.compare_with(None)
-        self.folder, self.own_effects, self.other_part = folder, [], None
+        self.folder, self.own_effects = folder, []
+        self.check_on(None, since_ns=0)
         self.steps.forget()
         self._shown, self._kept = {}, KeptResults(folder.root, folder.root / RESULTS)
         self.runs = CommandRuns(folder.root, self._tell_run)
@@ -177,9 +178,22 @@ class Session:
             )
             self.steps.did(Step(step, back, again))
 
+    def check_on(self, part: Path | None, *, since_ns: int) -> None:
+        """Check the chain on another measured part from now on, and watch its files.
+
+        Parameters
+        ----------
+        part : Path or None
+            Its job.
+        since_ns : int
+            When it was about to be read, as in `FileWatch.watch`.
+        """
+        self.other_part = part
+        self._part_watch.watch([] if part is None else named_files(part), since_ns=since_ns)
+
     def contents(self) -> dict[Path, str | None]:
         """What the files of the open job hold now, a word for each; None where one is not there."""
-        return {path: _content(path) for path in (*self._watch.watched, *self.effect_files)}
+        return contents_of([*self._watch.watched, *self.effect_files])
 
     def _found(self, job: Path | None) -> dict[str, Any]:
         """What was found about a job, or about the chain; at first what its files say."""
@@ -207,9 +221,52 @@ class Session:
     @property
     def effect_files(self) -> list[Path]:
         """Files of the user's own effects: those of the chain of jobs, and those written here."""
-        chain = [] if self.job is None else [s for s in job_chain(self.job) if not s.is_later]
-        files = [f for step in chain for f in step.effect_files.values() if f.is_file()]
-        return list(dict.fromkeys(f.resolve() for f in (*files, *self.own_effects)))
+        files = (*_files_of_chain(self.job), *self.own_effects)
+        return list(dict.fromkeys(path.resolve() for path in files))
+
+    @property
+    def loose_effects(self) -> list[Path]:
+        """Files of own effects that were written or checked here and are in no job of the chain."""
+        needed = _files_of_chain(self.job)
+        return [path for path in self.own_effects if path.resolve() not in needed]
+
+    def know_effect(self, path: Path) -> None:
+        """Let the commands know the file of an own effect from now on."""
+        if path not in self.own_effects:
+            self.own_effects.append(path)
+        self.events.tell("job", **self.record())
+
+    def drop_effect(self, path: Path) -> None:
+        """Let no command know the file of an own effect any more; the file stays.
+
+        Raises
+        ------
+        InputError
+            The job needs it, or it is not known.
+        """
+        if path not in self.loose_effects:
+            names = ", ".join(file.name for file in self.loose_effects)
+            raise InputError(
+                f"{path.name} cannot be dropped", accepted=names or "a file that was not added",
+                hint="Undo leaves a job that has the effect",
+            )  # fmt: skip
+        before = list(self.own_effects)
+        after = [file for file in before if file != path]
+        self.steps.did(Step(
+            f"drop of {path.name}", lambda: self._know_all(before), lambda: self._know_all(after)
+        ))  # fmt: skip
+        self._know_all(after)
+
+    def _know_all(self, files: list[Path]) -> None:
+        self.own_effects = list(files)
+        self.forget_check()
+        self.reload()
+
+    def forget_check(self) -> None:
+        """Say no more what a check said: its text is not what it was, or is not known."""
+        if self.runs is not None:
+            self.runs.forget("check")
+            self.events.tell("job", **self.record())
 
     @property
     def model(self) -> RemoteModel:
@@ -321,14 +378,19 @@ class Session:
             ],
             "runs": [run.record() for run in self.runs.runs] if self.runs else [],
             "own_effects": [self.folder.name_of(path) for path in self.effect_files],
+            "loose_effects": [self.folder.name_of(path) for path in self.loose_effects],
             "shown": self.shown,
             "other": None if self.other is None else str(self.other),
             "other_part": None if self.other_part is None else str(self.other_part),
             "steps": self.steps.record(),
         }
 
-    async def keep_watch(self) -> None:
-        """Reload the job whenever one of its files changes, until this is cancelled."""
+    async def keep_watch(self, evaluate_again: Callable[[], object]) -> None:
+        """Reload the job whenever one of its files changes, until this is cancelled.
+
+        `evaluate_again` starts to evaluate the chain; it is called when the other part changes.
+        """
+        is_due = False
         while True:
             await asyncio.sleep(_WATCH_S)
             changed = self._watch.changed()
@@ -337,6 +399,26 @@ class Session:
                 self._shown.pop(self.job, None)  # it was about other files
                 self.events.tell("files", names=names)
                 self.reload()
+            is_due |= self._has_changed_part()
+            if is_due and not self._is_at_work("history"):
+                is_due = False
+                with contextlib.suppress(InputError):
+                    evaluate_again()
+
+    def _has_changed_part(self) -> bool:
+        """Whether the other part's files have changed; the curve shows nothing of it then."""
+        changed = self._part_watch.changed()
+        if not changed or self.other_part is None:
+            return False
+        self.check_on(self.other_part, since_ns=time.time_ns())
+        self._found(None)["history"] = old = {"steps": [], "other_part": str(self.other_part)}
+        self.events.tell("shown", history=old)
+        return True
+
+    def _is_at_work(self, kind: str) -> bool:
+        return self.runs is not None and any(
+            run.kind == kind and not run.is_over for run in self.runs.runs
+        )
 
     def close(self) -> None:
         """End all work."""
@@ -385,11 +467,23 @@ class Session:
         self.events.tell("run", **run.record())
 
 
+def _files_of_chain(job: Path | None) -> list[Path]:
+    """Files of own effects that a job and those before it have."""
+    chain = [] if job is None else [step for step in job_chain(job) if not step.is_later]
+    files = [file for step in chain for file in step.effect_files.values()]
+    return [file.resolve() for file in files if file.is_file()]
+
+
 def _content(path: Path) -> str | None:
     try:
         return content_of(path)
     except OSError:
         return None
+
+
+def contents_of(files: Iterable[Path]) -> dict[Path, str | None]:
+    """What files hold now, a word for each; None where one is not there."""
+    return {path: _content(path) for path in files}
 
 
 def changed_since(before: dict[Path, str | None]) -> list[Path]:

@@ -25,6 +25,7 @@ from tests.unit.workbench.browser import (
     until,
 )
 from tests.unit.workbench.conftest import replace
+from tests.unit.workbench.test_runs import LAW
 
 pytestmark = needs_browser
 
@@ -480,6 +481,29 @@ def test_the_text_of_a_law_outlives_a_reload(tab):
     tab.reload()
     ready(tab)
     assert tab.get_by_label("Python of the effect").input_value() == "# half a law"
+
+
+def test_a_law_that_failed_is_undone_with_its_message_and_dropped(tab):
+    tab.locator("#tab-propose").click()
+    text, save = tab.get_by_label("Python of the effect"), tab.get_by_role("button", name="Save an")
+    tab.get_by_label("File of the effect").fill("lean_y.py")
+    text.fill(LAW)
+    save.click()
+    says(tab, ".loose", "lean_y.py")  # known to every command, and not added
+    text.fill("x = (\n")
+    save.click()
+    tab.locator("#panel-propose .trouble").wait_for()
+    tab.locator(".notice.error", has_text="lean_y.py").first.wait_for()
+    says(tab, "#undo", "text of lean_y.py")
+    tab.locator("#undo").click()
+    tab.locator("#panel-propose .trouble").wait_for(state="detached")
+    until(lambda: not tab.locator(".notice.error").count())
+    assert text.input_value() == LAW
+    ready(tab)
+    tab.locator(".loose button", has_text="Drop").click()
+    tab.locator(".loose").wait_for(state="detached")
+    says(tab, "#undo", "drop of lean_y.py")
+    ready(tab)
 
 
 def test_a_new_job_that_is_refused_keeps_its_form(tab, folder):

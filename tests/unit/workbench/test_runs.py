@@ -1,11 +1,13 @@
 """What commands of the page know: own effects, the control, and files that change meanwhile."""
 
+import json
 import shutil
 import signal
+import time
 
 import pytest
 
-from tests.unit.workbench.conftest import Page, replace
+from tests.unit.workbench.conftest import PATIENCE_S, Page, replace
 
 #: what is written for it: a displacement of Y with the place of X
 LAW = '''"""Y moves with the place of X."""
@@ -153,6 +155,76 @@ def test_a_curve_that_is_kept_is_of_the_other_part_as_it_is(bench):
     assert shown_anew() == {"history": {"steps": []}}
     (folder / "twin.csv").write_text((folder / "twin.csv").read_text() + "\n")
     assert shown_anew() == {}
+
+
+def twin_of(bench):
+    """Another measured part, whose error is shown."""
+    folder = bench.session.folder.root
+    text = (folder / "job.toml").read_text().replace('"points.csv"', '"twin.csv"')
+    (folder / "twin.toml").write_text(text)
+    shutil.copy(folder / "points.csv", folder / "twin.csv")
+    return folder / "twin.csv"
+
+
+def fewer(points):
+    replace(points, "\n".join(points.read_text().splitlines()[:-9]) + "\n")
+
+
+def test_an_error_of_another_part_that_changed_meanwhile_is_not_shown(bench):
+    points = twin_of(bench)
+    bench.get("/api/about")
+    process = process_of(bench, bench.post("/api/history", {"other_part": "twin.toml"}).json())
+    process.send_signal(signal.SIGSTOP)  # it cannot end before the file has changed
+    fewer(points)
+    process.send_signal(signal.SIGCONT)
+    run = bench.wait_for("history")
+    assert run["state"] == "failed", run
+    assert "twin.csv changed while history was at work" in run["message"]
+    assert not bench.get("/api/state").json()["shown"].get("history")
+
+
+def test_the_error_on_another_part_follows_its_files(bench):
+    points = twin_of(bench)
+    bench.post("/api/history", {"other_part": "twin.toml"})
+    first = bench.wait_for("history")
+    fewer(points)
+    end = time.monotonic() + PATIENCE_S
+    while (run := bench.wait_for("history"))["number"] == first["number"]:
+        assert time.monotonic() < end, "it is not evaluated again"
+    assert run["state"] == "done", run["message"]
+    errors = [one["result"]["steps"][-1]["check_rms_um"] for one in (first, run)]
+    assert errors[0] != errors[1]
+    shown = bench.get("/api/state").json()["shown"]["history"]
+    assert shown["steps"][-1]["check_rms_um"] == errors[1]
+    assert shown["other_part"].endswith("twin.toml")
+
+
+def test_an_own_effect_that_no_job_has_can_be_dropped(bench):
+    folder = bench.session.folder.root
+    (folder / "lean_x.py").write_text(LAW.replace("LeanY", "LeanX").replace("lean_y", "lean_x"))
+    bench.post("/api/check-effect", {"file": "lean_x.py"})
+    assert bench.wait_for("check")["state"] == "done"
+    state = bench.get("/api/state").json()
+    assert state["loose_effects"] == ["lean_x.py"]
+    assert state["own_effects"] == ["lean_y.py", "lean_x.py"]
+    refused = bench.post("/api/drop-effect", {"file": "lean_y.py"})
+    assert refused.status_code == 400 and "accepted: lean_x.py" in refused.json()["error"]
+    dropped = bench.post("/api/drop-effect", {"file": "lean_x.py"}).json()
+    assert dropped["own_effects"] == ["lean_y.py"] and dropped["loose_effects"] == []
+    assert not [run for run in dropped["runs"] if run["kind"] == "check"]
+    assert dropped["steps"]["undo"] == "drop of lean_x.py" and (folder / "lean_x.py").is_file()
+    assert bench.post("/api/undo").json()["loose_effects"] == ["lean_x.py"]
+
+
+def test_what_a_check_said_of_a_text_goes_with_it(bench):
+    content = LAW.replace("def displacement", "def displaced")
+    bench.put("/api/effect-file", json.dumps({"file": "lean_y.py", "text": content}))
+    first = bench.post("/api/check-effect", {"file": "lean_y.py"}).json()
+    assert bench.wait_for("check")["state"] == "failed"
+    assert not [run for run in bench.post("/api/undo").json()["runs"] if run["kind"] == "check"]
+    again = bench.post("/api/check-effect", {"file": "lean_y.py"}).json()
+    assert again["number"] > first["number"]  # a number is of one run for ever
+    assert bench.wait_for("check")["state"] == "done"
 
 
 @pytest.mark.parametrize("name", ["a" * 61, "Big", "", 3])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import re
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -17,12 +18,13 @@ from vmach.errors import InputError
 from vmach.workbench.command_runs import CommandRun
 from vmach.workbench.exchange import read_json, session_of
 from vmach.workbench.job_chain import job_chain
+from vmach.workbench.model.named_files import named_files
 from vmach.workbench.results import result_place
 from vmach.workbench.routes.job_commands import refuse_changed, start_command
 from vmach.workbench.routes.state import offered_job
-from vmach.workbench.session import Session, changed_since
+from vmach.workbench.session import Session, changed_since, contents_of
 
-__all__ = ["routes"]
+__all__ = ["evaluate_again", "routes"]
 
 _EFFECT = re.compile(r"[a-z][a-z0-9_]{0,60}(:[A-Za-z0-9]{1,12})?")
 
@@ -121,14 +123,27 @@ async def _history_again(request: Request) -> Response:
     return JSONResponse(_history(session, other).record())
 
 
+def evaluate_again(session: Session) -> CommandRun:
+    """Evaluate the chain anew, as the other part has changed.
+
+    Raises
+    ------
+    InputError
+        No job is open, or it is evaluated already.
+    """
+    return _history(session, session.other_part)
+
+
 def _history(session: Session, other: Path | None) -> CommandRun:
     """Evaluate the chain of jobs anew, on what was fitted, what was held out, and another part."""
     folder, job, _ = session.need_job()
     checked_on = [] if other is None else ["--check-job", folder.name_of(other)]
     picture = result_place(session, "history.png", is_folder=False)
+    begun_ns, of_part = time.time_ns(), contents_of([] if other is None else named_files(other))
 
     async def done(run: CommandRun) -> dict[str, Any]:
-        session.other_part = other  # one that cannot be read is not asked for again
+        refuse_changed(changed_since(of_part), "history")
+        session.check_on(other, since_ns=begun_ns)  # one that cannot be read is not asked for again
         found = {"steps": json.loads(run.output), "other_part": other and str(other)}
         session.show("history", found)
         return found

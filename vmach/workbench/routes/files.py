@@ -152,6 +152,7 @@ def _bring_back(session: Session, path: Path, text: str, *, after: str) -> None:
             "was changed outside the page", file=path.name, hint="its text would be lost: copy it"
         )
     _put_text(session, path, text)
+    session.forget_check()
     session.events.tell("effect-text", file=session.need_job()[0].name_of(path))
 
 

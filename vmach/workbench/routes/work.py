@@ -82,7 +82,7 @@ async def _propose(request: Request) -> Response:
         raise InputError(f"number = {number!r}", accepted="1 .. 99")
 
     async def done(run: CommandRun) -> dict[str, Any]:
-        session.own_effects.append(folder.root / f"{name}.py")
+        session.know_effect(folder.root / f"{name}.py")
         return {"file": f"{name}.py"}
 
     words = ["effects", "propose", job.name, "-o", f"{name}.py", "--number", str(number)]
@@ -98,8 +98,7 @@ async def _check_effect(request: Request) -> Response:
         raise InputError(f"{path.name!r}", accepted="a Python file")
 
     async def done(run: CommandRun) -> dict[str, Any]:
-        if path not in session.own_effects:
-            session.own_effects.append(path)
+        session.know_effect(path)
         session.reload()
         return {"said": run.output, "file": folder.name_of(path)}
 
@@ -109,6 +108,14 @@ async def _check_effect(request: Request) -> Response:
     words = ["effects", "check", folder.name_of(path)]
     words += ["--job", job.name] if is_measured else []
     return JSONResponse(start_command(session, "check", words, done).record())
+
+
+async def _drop_effect(request: Request) -> Response:
+    """Let the commands know an own effect no more that no job of the chain has."""
+    session = session_of(request)
+    folder, _, _ = session.need_job()
+    session.drop_effect(folder.inside(str((await read_json(request)).get("file", ""))))
+    return JSONResponse(session.record())
 
 
 async def _compensate(request: Request) -> Response:
@@ -196,6 +203,7 @@ routes = [
     Route("/api/keep", _keep, methods=["POST"]),
     Route("/api/propose", _propose, methods=["POST"]),
     Route("/api/check-effect", _check_effect, methods=["POST"]),
+    Route("/api/drop-effect", _drop_effect, methods=["POST"]),
     Route("/api/compensate", _compensate, methods=["POST"]),
     Route("/api/machine", _machine, methods=["POST"]),
     Route("/api/collisions", _collisions, methods=["POST"]),

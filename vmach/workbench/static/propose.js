@@ -1,7 +1,7 @@
 // A law of one's own, where the catalogue ends: forms that are proposed, and an editor with the checker's words.
 
-import { attempt, bench, isAtWork, once } from "./bench.js";
-import { get, put } from "./api.js";
+import { attempt, bench, isAtWork, once, settle } from "./bench.js";
+import { get, post, put } from "./api.js";
 import { el, fixed, micro, redraw, short, uncertain } from "./dom.js";
 import { runBox, startRun } from "./runs.js";
 
@@ -30,13 +30,15 @@ const DRAFT = "vmach-own-law"; // what was written and not saved, kept over a re
 const state = { file: "own_effect.py", isNew: true, editor: null };
 
 export function proposePanel(panel) {
-  const forms = el("section"), editing = editorSection(), says = el("section");
-  panel.append(forms, editing, says);
+  const forms = el("section"), editing = editorSection(), says = el("section"), known = el("section");
+  panel.append(forms, editing, says, known);
   const draw = () => {
     redraw(forms, proposals());
     redraw(says, said());
+    redraw(known, looseEffects());
+    if (!lastCheck()) settle("run check"); // what it said is of a text that is not there any more
   };
-  for (const kind of ["part", "run", "shown"]) bench.on(kind, draw);
+  for (const kind of ["part", "run", "shown", "state"]) bench.on(kind, draw);
   bench.on("run", attempt(async (run) => {
     if (run.kind === "propose" && run.state === "done" && run.result.file !== state.file) await load(run.result.file);
   }));
@@ -129,8 +131,21 @@ const load = attempt(async (file) => {
   state.editor.renumber();
 });
 
+// Own effects that every command knows and no job has yet.
+function looseEffects() {
+  const files = bench.state.loose_effects ?? [];
+  if (!files.length) return [];
+  return [el("h3", {}, "Known, and not added"), el("ul", { class: "loose" }, files.map((file) => {
+    const drop = el("button", { type: "button", title: "No command knows it any more; the file stays" }, "Drop");
+    drop.onclick = once(() => post("/api/drop-effect", { file }));
+    return el("li", {}, el("code", {}, file), " ", drop);
+  }))];
+}
+
+const lastCheck = () => [...(bench.state.runs ?? [])].reverse().find((one) => one.kind === "check");
+
 function said() {
-  const run = [...(bench.state.runs ?? [])].reverse().find((one) => one.kind === "check");
+  const run = lastCheck();
   if (!run) return [];
   const line = run.state === "failed" ? Number((run.message.match(/\.py:(\d+)/) ?? [])[1]) : NaN;
   const jump = el("button", { type: "button" }, `Go to line ${line}`);
