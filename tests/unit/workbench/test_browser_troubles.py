@@ -44,6 +44,7 @@ def jobs(folder):
     (folder / "broken.toml").write_text(text.replace("diameter_mm = 10", 'diameter_mm = "ten"'))
     shutil.copy(folder / "job.toml", folder / "50% #2?.toml")
     (folder / "no_cad.toml").write_text(re.sub(r"(?m)^nominal.*$", "", text))
+    (folder / "bare.toml").write_text(re.sub(r"(?m)^(nominal|measured).*$", "", text))
 
 
 def answer(page, address, *, status=400, said="it is refused", times=None):
@@ -192,6 +193,21 @@ def test_colours_of_a_part_without_cad_are_seen_from_afar(tab):
 
 
 # ---- names
+
+
+def test_a_job_with_neither_cad_nor_points_shows_its_blank_and_the_tool(tab):
+    open_job(tab, "bare.toml")
+    says(tab, "#figures", "neither nominal CAD nor measured points")
+    assert "RMS" not in tab.locator("#figures").inner_text()
+    assert not tab.locator("#ramp").is_visible()
+    tab.locator("#play").click()
+    until(lambda: float(tab.locator("#time").input_value()) > 1)
+    tab.locator("#play").click()
+    says(tab, "#telling", "line ")
+    tab.get_by_title("Leave the playback").click()
+    tab.locator("#tab-diagnose").click()
+    says(tab, "#panel-diagnose", "Nothing was measured for this job")
+    assert tab.locator(".notice.error").count() == 0
 
 
 def test_results_of_a_job_with_an_odd_name_are_found(tab):
@@ -526,8 +542,9 @@ def test_a_new_job_that_is_refused_keeps_its_form(tab, folder):
     tool = waiting.value.post_data_json["tools"][0]
     assert (tool["diameter_mm"], tool["length_mm"]) == (63.5, 100.5)
     form.locator("[name=name]").fill("mine")
-    write.click()  # nothing says where to look at the part
-    assert "nothing to inspect" in complaint(tab) and not (folder / "mine.toml").exists()
+    form.get_by_placeholder("X, Y, Z").nth(1).fill("-30, -25, -20")
+    write.click()
+    assert "max_mm is missing" in complaint(tab) and not (folder / "mine.toml").exists()
     tab.get_by_role("button", name="Back to the open job").click()
     tab.locator("#home").click()
     until(lambda: form.locator("[name=name]").input_value() == "mine")

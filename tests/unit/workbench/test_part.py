@@ -246,3 +246,30 @@ def test_the_texts_of_two_programs_are_compared_as_people_wrote_them(measured_fo
     assert (found["before"], found["after"]) == (len(lines), len(lines) + 1)
     assert found["added"] - found["removed"] == 1
     assert not any("SK" in text and mark != " " for h in found["hunks"] for mark, text in h["rows"])
+
+
+@pytest.mark.parametrize("has_blank", [True, False])
+def test_a_job_with_neither_cad_nor_points_has_its_blank_or_a_floor(tmp_path, has_blank):
+    write_measured_job(tmp_path)
+    text = re.sub(r"(?m)^(nominal|measured).*$", "", (tmp_path / "job.toml").read_text())
+    if not has_blank:
+        text = re.sub(r"(?s)\[stock\].*?(?=\n\[)", "", text)
+    (tmp_path / "bare.toml").write_text(text)
+    found = Answers(str(tmp_path / "bare.toml"))
+    about, _ = found.about()
+    assert "neither nominal CAD nor measured points" in about["missing"]
+    _, values = found.values()
+    assert np.isnan(np.frombuffer(values, "<f4")).all()
+    part = load_part(tmp_path / "bare.toml")
+    low, high = part.mesh.vertices_mm.min(axis=0), part.mesh.vertices_mm.max(axis=0)
+    if has_blank:
+        assert (low.tolist(), high.tolist()) == ([-30, -25, -20], [60, 25, 0])
+        assert solid_volume_mm3(part.mesh) == pytest.approx(90 * 50 * 20)
+    facts, rows = found.playback()
+    place = np.frombuffer(rows, "<f4").reshape(facts["count"], -1)[:, 1:4]
+    assert (place[:, :2] > low[:2] - 20).all() and place[:, 2].max() > low[2]
+
+
+def solid_volume_mm3(mesh):
+    """By the divergence theorem; positive where its triangles look outward."""
+    return np.linalg.det(mesh.vertices_mm[mesh.triangles]).sum() / 6.0

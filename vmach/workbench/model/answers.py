@@ -67,6 +67,7 @@ class Answers:
             "is_measured": model.is_measured,
             "has_measured_part": model.has_measured_part,
             "measured_file": None if job.measured is None else job.measured.name,
+            "missing": model.missing,
             "has_blank": job.blank is not None,
             "effects": [effect.label for effect in model.effects],
             "quantities": [vars(one) for one in quantities(model)],

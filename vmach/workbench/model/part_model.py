@@ -15,7 +15,7 @@ from vmach.effects import EffectInstance, load_effect_file, read_effects
 from vmach.errors import InputError
 from vmach.job import Job, read_job
 from vmach.machine import Machine, Variant
-from vmach.nominal import read_nominal
+from vmach.nominal import NominalPart, read_nominal
 from vmach.nominal.alignment import align
 from vmach.nominal.patches import patches
 from vmach.nominal.points import SurfacePoints, read_points_csv
@@ -25,6 +25,7 @@ from vmach.report import DisplayMesh
 from vmach.report.pictures.display_mesh import shaped_for_display
 from vmach.run.inspection import check_some_cut, surface_points
 from vmach.uncertainty.first_order import prediction_u_mm
+from vmach.workbench.model.bare_job import MISSING, bare_solid, is_bare, no_points
 from vmach.workbench.model.point_set import PointSet
 
 if TYPE_CHECKING:
@@ -68,6 +69,11 @@ class PartModel:
     def is_measured(self) -> bool:
         """Whether anything was measured for the job."""
         return self.has_measured_part or bool(self.job.measurements)
+
+    @property
+    def missing(self) -> str | None:
+        """What the job lacks so that a part could be shown, for people; None where it has it."""
+        return MISSING if is_bare(self.preparation) else None
 
     @cached_property
     def has_measured_part(self) -> bool:
@@ -159,16 +165,28 @@ def load_part(job_path: Path, effect_files: Sequence[Path] = ()) -> PartModel:
     effects = read_effects(job.effects, file=job.path, job=job)
     preparation = prepare(job)
     nominal = read_nominal(job.nominal, job.nominal_unit) if job.nominal else None
-    points = surface_points(job, nominal)
+    bare = is_bare(preparation)
+    points = no_points() if bare else surface_points(job, nominal)
     prediction = predict_surface(preparation, points, Variant.ABBE, effects)
-    check_some_cut(job, points, prediction)
-    solid = patches(points.point_mm, points.normal) if nominal is None else nominal.mesh
+    if not bare:
+        check_some_cut(job, points, prediction)
     mesh = shaped_for_display(
-        solid.vertices_mm, solid.triangles, point_count=len(points), max_triangles=_TRIANGLES
-    )
+        *_solid(preparation, points, nominal),
+        point_count=len(points), max_triangles=_TRIANGLES,
+    )  # fmt: skip
     notes = (*preparation.notes, *points.notes)
     surface = _surface_set(job, points, prediction, effects)
     return PartModel(job, preparation, effects, mesh, surface, prediction, points.point_mm, notes)
+
+
+def _solid(
+    preparation: Preparation, points: SurfacePoints, nominal: NominalPart | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """What is drawn: vertices (V, 3) mm and triangles (T, 3)."""
+    if is_bare(preparation):
+        return bare_solid(preparation)
+    solid = patches(points.point_mm, points.normal) if nominal is None else nominal.mesh
+    return solid.vertices_mm, solid.triangles
 
 
 def _surface_set(
@@ -182,6 +200,8 @@ def _surface_set(
     weight = None if points.weight is None else points.weight[cut]
 
     def aligned(deviation_mm: np.ndarray) -> np.ndarray:
+        if not len(some):
+            return deviation_mm
         settings = job.inspection
         pose = align(
             some, deviation_mm, mode=settings.alignment, datums=settings.datums, weights=weight

@@ -72,6 +72,7 @@ function showFeatures(section, figures) {
   const number = isSigned() ? signed : fixed;
   const rows = figures.features.filter((f) => f.count).sort((a, b) => b.rms_um - a.rms_um).map((f) =>
     el("tr", {}, el("th", { scope: "row" }, f.name || "–"), el("td", { class: "value" }, fixed(f.rms_um)), el("td", { class: "value" }, number(f.low_um)), el("td", { class: "value" }, number(f.high_um))));
+  if (!rows.length) return redraw(section, []);
   const head = el("tr", {}, ["Feature", "RMS", "from", "to, µm"].map((word) => el("th", { scope: "col" }, word)));
   redraw(section, [el("h3", {}, "Features"), el("table", { class: "rows" }, el("thead", {}, head), el("tbody", {}, rows))]);
 }

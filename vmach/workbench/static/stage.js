@@ -216,6 +216,7 @@ export function isSigned() {
 }
 
 function showScale() {
+  document.querySelector("#view .scale").hidden = Boolean(bench.about?.missing);
   if (!bench.figures) return;
   const { range_um } = bench.figures, at = Number(byId("range").value);
   const end = stage.rangeUm = Number((range_um * 10 ** ((at - 50) / 50)).toPrecision(2));
@@ -233,6 +234,8 @@ function showScale() {
 }
 
 function showFigures() {
+  if (bench.about?.missing) // there is nothing that figures could be of
+    return byId("figures").replaceChildren(el("div", { class: "missing" }, el("dt", {}, bench.about.missing)));
   const f = bench.figures, hasSign = isSigned(), number = hasSign ? signed : fixed;
   const title = hasSign ? "+ material is left on, − too much is cut off" : null;
   const entry = (word, value, unit = "µm") => el("div", { title }, el("dt", {}, word), el("dd", {}, value, " ", el("small", {}, unit)));
