@@ -136,3 +136,29 @@ def test_a_report_that_does_not_say_its_unit_is_asked(tmp_path):
 def test_a_bad_report_is_refused_with_its_line(old, new, said, tmp_path):
     with pytest.raises(InputError, match=said):
         imported(tmp_path, "plate.txt", PCDMIS.replace(old, new, 1), write_plate_job(tmp_path))
+
+
+def test_holes_of_a_table_may_have_places_alone(tmp_path):
+    text = "hole;x;y;mx;my\nA;10;20;10.003;19.998\nB;30;20;30.001;20\n"
+    one = imported(tmp_path, "plate.csv", text)
+    assert rows(one, "plate_holes.csv")[:2] == [
+        ["id", "x", "y", "mx", "my"], ["A", "10", "20", "10.003", "19.998"]]  # fmt: skip
+    assert "no diameter was measured: the holes have places alone" in one.told
+
+
+def test_holes_of_a_table_without_their_diameter_are_left_out_among_others(tmp_path):
+    text = "hole;x;y;mx;my;d;md\nA;10;20;10.003;19.998;8;8.01\nB;30;20;30.001;20;8;\n"
+    one = imported(tmp_path, "plate.csv", text)
+    assert [row[0] for row in rows(one, "plate_holes.csv")] == ["id", "A"]
+    assert "1 holes without a measured diameter are left out" in one.told
+
+
+def test_locations_of_a_report_without_diameters_are_holes_by_their_places(tmp_path):
+    text = "\n".join(
+        line for line in PCDMIS[: PCDMIS.index("DIM LOC3")].splitlines()
+        if not line.startswith("D")  or line.startswith("DIM")
+    )  # fmt: skip
+    one = imported(tmp_path, "plate.txt", text)
+    assert rows(one, "plate_holes.csv") == [
+        ["id", "x", "y", "mx", "my"], ["CIR1", "10", "20", "10.011", "19.995"],
+        ["CIR2", "-28.6", "9.1", "-28.623", "9.125"]]  # fmt: skip

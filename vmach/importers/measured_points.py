@@ -23,6 +23,7 @@ __all__ = [
     "length_factor",
     "normals_on_part",
     "points_file",
+    "sized_holes",
 ]
 
 #: a measured point further from the nominal surface belongs to something else, mm
@@ -98,6 +99,31 @@ def holes_file(
     )
     said = f"{source.path.name}: {len(lines) - 1} holes, bores or bosses"
     return Imported({file: "\n".join(lines) + "\n"}, (section,), (said, *told))
+
+
+def sized_holes(holes: Holes) -> tuple[Holes, tuple[str, ...]]:
+    """Holes whose diameters are known, or all of them where none is; and what is said of it.
+
+    Parameters
+    ----------
+    holes : Holes
+        A diameter that is not known is NaN.
+    """
+    if holes.nominal_d_mm is None or holes.measured_d_mm is None:
+        known = np.zeros(len(holes.id), dtype=bool)
+    else:
+        known = np.isfinite(holes.nominal_d_mm) & np.isfinite(holes.measured_d_mm)
+    if known.all():
+        return holes, ()
+    if not known.any():
+        alone = Holes(holes.id, holes.nominal_mm, holes.measured_mm, None, None)
+        return alone, ("no diameter was measured: the holes have places alone",)
+    assert holes.nominal_d_mm is not None and holes.measured_d_mm is not None
+    some = Holes(
+        np.asarray(holes.id)[known], holes.nominal_mm[known], holes.measured_mm[known],
+        holes.nominal_d_mm[known], holes.measured_d_mm[known],
+    )  # fmt: skip
+    return some, (f"{np.sum(~known)} holes without a measured diameter are left out",)
 
 
 def _word(text: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from vmach.importers.ballbar_runs import ANGLE_WORDS, RADIUS_WORDS, side_by_side, with_senses
 from vmach.importers.importer import Imported, Importer, Section
 from vmach.importers.loose_table import ANGLE, SMALL_LENGTH, SPEED, TIME, Column, LooseTable
 from vmach.importers.questions import Questions
@@ -13,9 +14,7 @@ from vmach.instruments.kinds.ballbar import Ballbar
 
 __all__ = ["BallbarReadings"]
 
-_ANGLE = Column("angle", ("angle", "winkel", "polar angle"), ANGLE, "deg")
-_RADIUS = ("radius", "radial deviation", "deviation", "radius deviation", "radiusabweichung",
-           "abweichung", "radial", "error")  # fmt: skip
+_ANGLE = Column("angle", ANGLE_WORDS, ANGLE, "deg")
 _RUN = Column("run", ("run", "lauf", "arc", "sense"), is_needed=False, is_text=True)
 _FEED = Column("feed", ("feed", "feedrate", "feed rate", "vorschub", "feed mm min"), SPEED,
                "mm/min", is_needed=False)  # fmt: skip
@@ -29,7 +28,7 @@ class BallbarReadings(Importer):
 
     name = "ballbar"
     title = "Ballbar readings (ISO 230-4)"
-    reads = "CSV or text with a heading: angle and radial deviation; run, feed and time if there"
+    reads = "CSV or text with a heading: angle and radial deviation, or a column for each sense"
     rank = 30
     keys = {
         "plane": "first axis at 0 degrees: XY, YZ, ZX",
@@ -50,7 +49,8 @@ class BallbarReadings(Importer):
         if table is None:
             raise source.error(
                 "no heading with an angle and a radial deviation",
-                accepted="columns such as 'Angle (deg)' and 'Deviation (um)'",
+                accepted="columns such as 'Angle (deg)' and 'Deviation (um)', or 'CCW (um)' and "
+                "'CW (um)' for circles side by side, numbered 'CCW 2 (um)' where there are more",
                 hint="--column angle=... and --column radius=... name other headings",
             )
         plane = questions.choice(
@@ -65,6 +65,7 @@ class BallbarReadings(Importer):
             default="yes",
         ) == "no":  # fmt: skip
             table.numbers["radius"][:] *= -1.0
+        table, turned = with_senses(table)
         angle = table.complete("angle")
         run = _runs(table, angle)
         feed = _feeds(table, questions)
@@ -88,13 +89,16 @@ class BallbarReadings(Importer):
             is_array=True,
         )
         said = f"{source.path.name}: {len(angle)} readings, runs {', '.join(dict.fromkeys(run))}"
-        return Imported({file: "\n".join(lines) + "\n"}, (section,), (said + told,))
+        return Imported({file: "\n".join(lines) + "\n"}, (section,), (said + turned + told,))
 
 
 def _table(source: SourceFile, questions: Questions) -> LooseTable | None:
-    radius = Column("radius", _RADIUS, SMALL_LENGTH, questions.unit())
+    radius = Column("radius", RADIUS_WORDS, SMALL_LENGTH, questions.unit())
     columns = (_ANGLE, radius, _RUN, _FEED, _TIME)
-    return LooseTable.find(source, columns, given=questions.columns)
+    found = LooseTable.find(source, columns, given=questions.columns)
+    if found is None and not questions.columns:
+        found = side_by_side(source, questions.unit(), _FEED, questions.columns)
+    return found
 
 
 def _runs(table: LooseTable, angle: np.ndarray) -> list[str]:

@@ -8,7 +8,14 @@ import numpy as np
 
 from vmach.importers.importer import Imported, Importer
 from vmach.importers.loose_table import LENGTH, NUMBER, Column, LooseTable
-from vmach.importers.measured_points import Holes, Points, holes_file, normals_on_part, points_file
+from vmach.importers.measured_points import (
+    Holes,
+    Points,
+    holes_file,
+    normals_on_part,
+    points_file,
+    sized_holes,
+)
 from vmach.importers.questions import Questions
 from vmach.importers.source_file import SourceFile
 
@@ -51,7 +58,7 @@ class CmmTable(Importer):
 
     name = "cmm_table"
     title = "CMM report as a table"
-    reads = "CSV or text: x y z, mx my mz, i j k (else from the CAD); or x y, mx my, d, md of holes"
+    reads = "CSV or text: x y z, mx my mz, i j k (else from the CAD); or of holes x y, mx my, d, md"
     rank = 28
     keys = {"u_um": "standard uncertainty of a measured hole", "unit": "of the coordinates"}
 
@@ -66,16 +73,16 @@ class CmmTable(Importer):
         if table is None:
             raise source.error(
                 "no heading with nominal and measured coordinates",
-                accepted="x y z mx my mz and i j k or --job, or x y mx my d md",
+                accepted="x y z mx my mz and i j k or --job, or of holes x y mx my, and d md where "
+                "diameters were measured",
                 hint="--column mx='Measured X' and the like name other headings",
             )
         number = np.arange(1, len(table.lines) + 1).astype(str)
         centre, found = (np.column_stack([table.complete(f"{m}{a}") for a in "xy"])
                          for m in ("", "m"))  # fmt: skip
-        holes = Holes(
-            table.text.get("id", number), centre, found, table.complete("d"), table.complete("md")
-        )
-        return holes_file(holes, source, questions)
+        sizes = (table.numbers.get("d"), table.numbers.get("md"))
+        holes, told = sized_holes(Holes(table.text.get("id", number), centre, found, *sizes))
+        return holes_file(holes, source, questions, told)
 
 
 def _points(source: SourceFile, questions: Questions) -> LooseTable | None:
@@ -85,7 +92,11 @@ def _points(source: SourceFile, questions: Questions) -> LooseTable | None:
 
 def _holes(source: SourceFile, questions: Questions) -> LooseTable | None:
     across = [columns[a] for columns in (_MEASURED, _NOMINAL) for a in "xy"]
-    return _find(source, questions, (*across, *_DIAMETERS, _NAME))
+    sized = _find(source, questions, (*across, *_DIAMETERS, _NAME))
+    if sized is not None or _find(source, questions, (*across, _MEASURED["z"])) is not None:
+        return sized  # with a measured height it is of points
+    maybe = tuple(replace(column, is_needed=False) for column in _DIAMETERS)
+    return _find(source, questions, (*across, *maybe, _NAME))
 
 
 def _find(

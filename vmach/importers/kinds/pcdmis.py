@@ -25,6 +25,7 @@ from vmach.importers.measured_points import (
     length_factor,
     normals_on_part,
     points_file,
+    sized_holes,
 )
 from vmach.importers.questions import Questions
 from vmach.importers.source_file import SourceFile
@@ -38,6 +39,8 @@ _UNIT_NAMES: Mapping[str, str] = {"MM": "mm", "IN": "inch", "INCH": "inch"}
 _HEADING = re.compile(r"^\s*AX\b.*\bNOM", re.I)
 #: what stands for a coordinate or a diameter; other lines of a dimension hold forms and tolerances
 _AXES: Mapping[str, str] = {"X": "x", "Y": "y", "Z": "z", "D": "d", "DF": "d"}
+#: what a report calls features that are holes, also where it has no diameter of them
+_ROUND = ("CIRCLE", "CYLINDER")
 _NOMINAL, _MEASURED, _DEVIATION = "NOMINAL", "MEAS", "DEV"
 
 
@@ -51,9 +54,10 @@ class _Value:
 
 @dataclass
 class _Feature:
-    """What the report says of a feature, by x, y, z and d."""
+    """What the report says of a feature, by x, y, z and d; and whether it calls it round."""
 
     line: int
+    is_round: bool
     values: dict[str, _Value] = field(default_factory=dict)
 
 
@@ -71,7 +75,7 @@ class PcdmisReport(Importer):
 
     def read(self, source: SourceFile, questions: Questions) -> Imported:
         features, unit = _features(source)
-        holes = {n: f for n, f in features.items() if {"x", "y", "d"} <= f.values.keys()}
+        holes = {n: f for n, f in features.items() if _is_hole(f)}
         points = {n: f for n, f in features.items()
                   if {"x", "y", "z"} <= f.values.keys() and n not in holes}  # fmt: skip
         if not holes and not points:
@@ -89,6 +93,12 @@ class PcdmisReport(Importer):
         lost = len(features) - len(holes) - len(points)
         told = (f"{lost} locations without enough coordinates are left out",) if lost else ()
         return Imported.joined(found, told)
+
+
+def _is_hole(feature: _Feature) -> bool:
+    """Whether it has a place across, and a diameter or the name of something round."""
+    has = feature.values.keys()
+    return {"x", "y"} <= has and ("d" in has or feature.is_round)
 
 
 def _columns(features: Mapping[str, _Feature], axes: str, factor: float) -> tuple[np.ndarray, ...]:
@@ -113,9 +123,14 @@ def _points_imported(
 def _holes_imported(
     features: Mapping[str, _Feature], factor: float, source: SourceFile, questions: Questions
 ) -> Imported:
-    nominal, measured = _columns(features, "xyd", factor)
-    holes = Holes([*features], nominal[:, :2], measured[:, :2], nominal[:, 2], measured[:, 2])
-    return holes_file(holes, source, questions, ("circles and cylinders are taken as upright",))
+    nominal, measured = _columns(features, "xy", factor)
+    sizes = [
+        factor * np.array([getattr(f.values.get("d"), which, np.nan) for f in features.values()])
+        for which in ("nominal", "measured")
+    ]
+    holes, told = sized_holes(Holes([*features], nominal, measured, *sizes))
+    said = ("circles and cylinders are taken as upright", *told)
+    return holes_file(holes, source, questions, said)
 
 
 def _features(source: SourceFile) -> tuple[dict[str, _Feature], str | None]:
@@ -130,7 +145,9 @@ def _features(source: SourceFile) -> tuple[dict[str, _Feature], str | None]:
             location = _LOCATION.match(dimension[1])
             own, columns = None, []
             if location is not None and location[1]:
-                own = found.setdefault(location[1].split()[-1], _Feature(number))
+                *kind, name = location[1].split()
+                is_round = bool(kind) and kind[0].upper() in _ROUND
+                own = found.setdefault(name, _Feature(number, is_round))
                 unit = _UNITS.search(line)
                 units.setdefault(unit[1].upper() if unit else "", number)
         elif _HEADING.match(line):
