@@ -514,7 +514,7 @@ def test_a_law_that_failed_is_undone_with_its_message_and_dropped(tab):
     tab.locator("#undo").click()
     tab.locator("#panel-propose .trouble").wait_for(state="detached")
     until(lambda: not tab.locator(".notice.error").count())
-    assert text.input_value() == LAW
+    until(lambda: text.input_value() == LAW)
     ready(tab)
     tab.locator(".loose button", has_text="Drop").click()
     tab.locator(".loose").wait_for(state="detached")
