@@ -548,3 +548,23 @@ def test_a_new_job_that_is_refused_keeps_its_form(tab, folder):
     tab.get_by_role("button", name="Back to the open job").click()
     tab.locator("#home").click()
     until(lambda: form.locator("[name=name]").input_value() == "mine")
+
+
+def test_a_form_stays_while_the_open_job_is_read_anew(tab, folder):
+    before = (folder / "job.toml").read_text()
+    tab.locator("#home").click()
+    tab.locator("#start details.new").wait_for()
+    name = tab.locator("form.new-job [name=name]")
+    if not name.is_visible():  # it stays open over other tests
+        tab.get_by_text("A new job").click()
+    name.fill("half written")
+    with tab.expect_response("**/api/about"):
+        (folder / "job.toml").write_text(before + "# saved again\n")
+    ready(tab)
+    assert name.is_visible() and name.input_value() == "half written"
+    with tab.expect_response("**/api/about"):
+        (folder / "job.toml").write_text(before)
+    ready(tab)
+    tab.locator("#start .jobs button", has_text="job.toml").first.click()  # it is open already
+    tab.locator("#bench").wait_for()
+    assert not tab.locator("#start").is_visible()

@@ -66,7 +66,7 @@ async function showState(state) {
     settle(); // what was wrong was so of another job
     document.body.classList.add("other-job"); // until its figures are there
   }
-  if (place !== shownPlace || state.revision !== shownRevision) hideStart();
+  if (place !== shownPlace) hideStart(); // a job that is read anew closes no form that is being filled in
   shownPlace = place;
   byId("job-name").textContent = state.name;
   document.title = `${state.name} – vmach`;

@@ -10,6 +10,7 @@ async function openJob(job, ends_work = false) {
   try {
     await post("/api/open", { job, ends_work });
     settle("end of work");
+    hideStart(); // also where that job was open before
   } catch (error) {
     if (error.status !== 409) throw error;
     const button = el("button", { type: "button" }, "End it and open the job");
