@@ -6,7 +6,7 @@ import numpy as np
 
 from tests.small_job import JOB, write_job
 from tests.unit.test_diagnosis_verdicts import tip_job
-from vmach.diagnosis.inference.moves import search_beyond
+from vmach.diagnosis.inference.moves import search, search_beyond
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.effects import catalogue
@@ -77,3 +77,25 @@ def test_one_moment_takes_the_place_of_two_effects_that_are_its_parts(tmp_path):
     found = search_beyond(weighing, two)
     assert found.labels == {"datum_shift"}
     assert found.score > two.score
+
+
+def play_that_grows(q, side, time):
+    """Lost motion in X by place along Y: nothing that the candidates below could say."""
+    return np.outer(0.05 * side[:, 0] * q[:, 1], [1.0, 0.0, 0.0])
+
+
+def test_effects_that_fill_a_discrepancy_are_led_on_unless_something_else_is_far_ahead(tmp_path):
+    effects = [catalogue()["component"], catalogue()["backlash"]]
+    weighing = prepare_weighing(survey_job(tip_job(tmp_path, play_that_grows, count=150)), effects)
+    here, asked = search(weighing, weighing.nothing()), []
+
+    def far_ahead(weighing, explanation):
+        asked.append(explanation.score)
+        return 1000.0
+
+    behind = search_beyond(weighing, here, far_ahead)
+    assert asked
+    assert max(asked) == behind.score
+    tried = len(weighing.tried)
+    assert search_beyond(weighing, here).score >= behind.score
+    assert len(weighing.tried) > tried

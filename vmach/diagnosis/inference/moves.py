@@ -41,8 +41,8 @@ _ROUGH = 30.0
 #: log odds by which one may lie behind the effect whose place it takes; in none of a few hundred
 #: refits did one from further behind catch up
 _NEAR = 6.0
-#: log odds by which a set that fills a discrepancy may lie behind, to be led on from; in 113
-#: searches two caught up, from 11 and 2, and none of eight from further behind than 12
+#: log odds by which a set that fills a discrepancy may lie behind, or behind forms, to be led on
+#: from; in 113 searches two caught up, from 11 and 2, and none of eight from further behind than 12
 _BEHIND = 20.0
 #: share of what an effect stands for that the first of two in its place takes alone, at least;
 #: chosen: half of an even split. It saves fits; whatever passes is weighed by the readings
@@ -60,6 +60,7 @@ _HOPELESS = -2.0
 _MOVES = 12
 
 _Move = Callable[[Weighing, Explanation], Iterator[Explanation]]
+_Rival = Callable[[Weighing, Explanation], float]
 
 
 def search(weighing: Weighing, here: Explanation) -> Explanation:
@@ -72,12 +73,23 @@ def search_exchanging(weighing: Weighing, here: Explanation) -> Explanation:
     return _led_on(weighing, here, (_added, _exchanged))
 
 
-def search_beyond(weighing: Weighing, here: Explanation) -> Explanation:
-    """A more probable set, by all moves; a large discrepancy is filled where none of them helps."""
+def search_beyond(
+    weighing: Weighing, here: Explanation, rival: _Rival = lambda weighing, here: 0.0
+) -> Explanation:
+    """A more probable set, by all moves; a large discrepancy is filled where none of them helps.
+
+    Parameters
+    ----------
+    weighing : Weighing
+    here : Explanation
+    rival : callable
+        Log odds by which something else than effects explains more than an explanation does, asked
+        where effects fill a large discrepancy: far behind that, they are not led on from.
+    """
     moves = (_added, _uncovered, _afresh, _exchanged, _elsewhere, _split, _paired)
     here = _led_on(weighing, here, moves)
     for _ in range(_MOVES):
-        filled = _filled(weighing, here, moves)
+        filled = _filled(weighing, here, moves, rival)
         if filled.score < here.score + _STEP:
             break
         here = filled
@@ -205,7 +217,9 @@ def _elsewhere(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
                     yield weighing.explain(child.terms, child.posterior.sizes)
 
 
-def _filled(weighing: Weighing, here: Explanation, moves: Sequence[_Move]) -> Explanation:
+def _filled(
+    weighing: Weighing, here: Explanation, moves: Sequence[_Move], rival: _Rival
+) -> Explanation:
     """Several effects in place of a large discrepancy, and what other moves make of them.
 
     Together they may be less probable at first, as some stand for others. As given where none do.
@@ -218,8 +232,10 @@ def _filled(weighing: Weighing, here: Explanation, moves: Sequence[_Move]) -> Ex
     if last is start:
         return here
     filled = without_needless(weighing, weighing.explain(last.terms, sizes))
-    if filled.labels != here.labels and filled.score > here.score - _BEHIND:
-        filled = _led_on(weighing, filled, moves)
+    least = here.score - _BEHIND
+    if filled.labels != here.labels and filled.score > least:
+        if filled.score > least + rival(weighing, here):
+            filled = _led_on(weighing, filled, moves)
     return _remembered(weighing, filled)
 
 

@@ -164,7 +164,8 @@ def led(weighing: Weighing) -> tuple[Weighing, Explanation, Forms, Explanation]:
     effects, terms, kept = weighing.effects, found.terms, found.labels & grown.labels
     weighing.release()
     del weighing, found, forms, grown  # large, and of other contacts
-    return _with_forms(*_taken_over(prepare_weighing(moved, effects), terms, by_forms=True), kept)
+    weighing, found = _taken_over(prepare_weighing(moved, effects), terms, by_forms=True)
+    return _with_forms(weighing, found, _WithForms(), kept)
 
 
 def _led(weighing: Weighing) -> tuple[Weighing, Explanation, Forms, Explanation]:
@@ -174,24 +175,49 @@ def _led(weighing: Weighing) -> tuple[Weighing, Explanation, Forms, Explanation]
     is tried in the place of these on all readings: that takes long.
     """
     few, beside = weighing.survey.thinned(_SEARCHED), None
+    with_forms = _WithForms()
     if few is weighing.survey:
-        weighing, found = _sought(weighing)
+        weighing, found = _sought(weighing, with_forms)
     else:
-        some, found = _sought(prepare_weighing(few, weighing.effects))
-        terms, grown = found.terms, Forms(some, found).grown(found)
+        some, found = _sought(prepare_weighing(few, weighing.effects), with_forms)
+        terms, (_, grown) = found.terms, with_forms.of(some, found)
         beside = None if _forms_of(grown) else found.labels & grown.labels
         some.release()
+        with_forms = _WithForms()
         weighing, found = _taken_over(weighing, terms)
-    return _with_forms(weighing, found, beside)
+    return _with_forms(weighing, found, with_forms, beside)
+
+
+class _WithForms:
+    """Forms beside what a search found; the last are remembered, as they take long."""
+
+    def __init__(self) -> None:
+        self._last: tuple[Weighing, Explanation, Forms, Explanation] | None = None
+
+    def of(
+        self, weighing: Weighing, found: Explanation, beside: AbstractSet[str] | None = None
+    ) -> tuple[Forms, Explanation]:
+        """The forms, and the explanation that they lead to, as `Forms.grown` has it."""
+        if self._last is None or self._last[0] is not weighing or self._last[1] is not found:
+            self._last = None  # large
+            forms = Forms(weighing, found)
+            self._last = weighing, found, forms, forms.grown(found, beside=beside)
+        return self._last[2:]
+
+    def lead(self, weighing: Weighing, found: Explanation) -> float:
+        """Log odds by which forms explain more than what was found."""
+        return self.of(weighing, found)[1].score - found.score
 
 
 def _with_forms(
-    weighing: Weighing, found: Explanation, beside: AbstractSet[str] | None
+    weighing: Weighing,
+    found: Explanation,
+    with_forms: _WithForms,
+    beside: AbstractSet[str] | None,
 ) -> tuple[Weighing, Explanation, Forms, Explanation]:
     """Effects as nature has them, and forms beside some of them, or in the place of any."""
     weighing, found = as_defined(weighing, search_possible(weighing, found))
-    forms = Forms(weighing, found)
-    return weighing, found, forms, forms.grown(found, beside=beside)
+    return weighing, found, *with_forms.of(weighing, found, beside)
 
 
 def _taken_over(
@@ -212,7 +238,7 @@ def _taken_over(
     return weighing, search_exchanging(weighing, without_needless(weighing, found))
 
 
-def _sought(weighing: Weighing) -> tuple[Weighing, Explanation]:
+def _sought(weighing: Weighing, with_forms: _WithForms) -> tuple[Weighing, Explanation]:
     """What a search finds from nothing, and the weighing with the noise that it leaves.
 
     Two more starts lead to one: over contacts that an effect would choose, unless that was found,
@@ -226,7 +252,7 @@ def _sought(weighing: Weighing) -> tuple[Weighing, Explanation]:
     if not tails.is_plain and not weighing.base.noise.is_plain:
         tailed = weighing.with_candidates(weighing.candidates).with_noise(tails)
         weighing, found = _better(weighing, found, tailed)
-    return _settled(weighing, found, search_beyond)
+    return _settled(weighing, found, lambda w, e: search_beyond(w, e, with_forms.lead))
 
 
 def _forms_of(grown: Explanation) -> list[Term]:
