@@ -86,7 +86,8 @@ class Kind(StrEnum):
     KEPT = "kept"  #: an effect of the job that was not fitted anew
     ONCE = "once"  #: an effect that began at one moment of one part
     # evaluations
-    RUNS = "runs"  #: too few runs for a figure
+    RUNS = "runs"  #: too few runs for a figure, or their numbers
+    OUTLIER = "outlier"  #: a reading far from those of the other runs
     TARGETS = "targets"
     BUDGET = "budget"  #: of uncertainty
 

@@ -16,6 +16,7 @@ from vmach.base.note import Kind, Note, note_records
 from vmach.base.units import um_from_mm
 from vmach.errors import InputError
 from vmach.files.text_file import read_text
+from vmach.iso230.by_run import Outlier, outliers, run_figures
 from vmach.iso230.evaluation import Evaluation, evaluate
 from vmach.iso230.uncertainty import Budget, expanded, parameter_uncertainties
 from vmach.machine import Machine, read_machine
@@ -159,11 +160,14 @@ def _table_figures(axis: EvaluatedTable, budget: Budget) -> dict[str, Any]:
     }
     sides = (result.runs.forward, result.runs.backward)
     runs = min(int(np.isfinite(side).sum(axis=0).min()) for side in sides)
-    notes = list(_notes(axis, runs))
+    found = outliers(result.runs)
+    notes = [*_notes(axis, runs), *result.runs.notes, *_outlier_notes(axis, found)]
     entry: dict[str, Any] = {
         "unit": axis.unit, "runs": runs, "targets": len(result.runs.position_mm),
         "length_mm": None if axis.is_rotary else axis.extent,
         "range_deg": axis.extent if axis.is_rotary else None, "figures": figures,
+        "by_run": [own.record(axis.factor) for own in run_figures(result.runs)],
+        "outliers": [own.record(axis.factor) for own in found],
         "notes": [str(note) for note in notes], "note_records": note_records(notes),
     }  # fmt: skip
     if axis.is_positioning and not axis.is_rotary and axis.result.A is not None:
@@ -201,6 +205,17 @@ def _slope_note(axis: EvaluatedTable) -> Iterator[Note]:
             f"(straightness, ISO 230-1) the means vary by {um_from_mm(float(np.ptp(left))):.2f} um"
         )
         yield Note.plain(Kind.SLOPE, said, 1e6 * slope, "um/m", place=axis.name)
+
+
+def _outlier_notes(axis: EvaluatedTable, found: tuple[Outlier, ...]) -> Iterator[Note]:
+    for own in found:
+        size = axis.factor * own.from_others
+        said = (
+            f"run {own.run} {own.direction} reads {axis.factor * own.deviation:.2f} {axis.unit} at "
+            f"{own.position:g} {axis.position_unit}, {abs(size):.2f} {axis.unit} from the mean of "
+            "the other runs there: an outlier? It counts in the figures"
+        )
+        yield Note.question(Kind.OUTLIER, said, size, axis.unit, place=axis.name)
 
 
 def _notes(axis: EvaluatedTable, runs: int) -> Iterator[Note]:

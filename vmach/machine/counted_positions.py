@@ -42,7 +42,13 @@ def in_machine_coordinates(
 
     runs = table.runs
     if runs is not None:
-        runs = Runs(position(runs.position_mm), *sides(runs.forward, runs.backward))
+        numbers = runs.forward_number, runs.backward_number
+        runs = Runs(
+            position(runs.position_mm),
+            *sides(runs.forward, runs.backward),
+            *(numbers[::-1] if swap else numbers),
+            notes=runs.notes,
+        )
     forward, backward = sides(table.forward, table.backward)
     return replace(
         table, position=position(table.position), forward=forward, backward=backward, runs=runs

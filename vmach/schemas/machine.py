@@ -136,6 +136,35 @@ class _Budget(Output):
     u_misalignment_per_m: float
 
 
+class _OfRun(Output):
+    """One run in one direction, beside the mean of all runs there."""
+
+    run: int
+    """Its number in the file."""
+    direction: Literal["forward", "backward", "both"]
+    readings: int
+    mean: float
+    """Mean difference from the mean of all runs at the same targets, in the unit of the figures."""
+    largest: float
+    """The difference that is largest in magnitude."""
+    at: float
+    """Target of `largest`, mm or degrees."""
+
+
+class _Outlier(Output):
+    """A reading far from those of the other runs."""
+
+    run: int
+    """Its number in the file."""
+    direction: Literal["forward", "backward", "both"]
+    at: float
+    """Target, mm or degrees."""
+    deviation: float
+    """The reading, in the unit of the figures."""
+    from_others: float
+    """Its difference from the mean of the other runs, in the unit of the figures."""
+
+
 class _Iso230Table(Output):
     unit: Literal["um", "urad"]
     """Of `figures` and `U_k2`."""
@@ -147,6 +176,8 @@ class _Iso230Table(Output):
     """The same of a rotary axis; null for a linear one."""
     figures: dict[str, float | None]
     """Parameters of the standard by their letters, in `unit`; null where runs are missing."""
+    by_run: list[_OfRun]
+    outliers: list[_Outlier]
     notes: list[str]
     note_records: list[NoteRecord]
     U_k2: dict[str, float] | None = None

@@ -6,7 +6,8 @@ Four headers are understood, in any order of columns and of rows:
 * ``position_mm, error``: one value for both directions;
 * ``position_mm, forward_1, backward_1, forward_2, ...``: single runs side by side;
 * ``run, position_mm, approach, deviation``: single readings below each other, `approach` being
-  the sign of the motion into the position.
+  the sign of the motion into the position. Without the column `run` the n-th reading of a
+  position from one side is that of run n.
 
 The position may also be in ``position_m`` or ``position_inch``; a unit at the end of any other
 column (``forward_um``, ``deviation_arcsec``) goes before the unit of the machine file. An empty
@@ -20,14 +21,15 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from vmach.base.note import Kind, Note
+from vmach.base.note import Kind, Note, in_file
 from vmach.errors import InputError
 from vmach.files.text_file import column_hint, csv_rows, decimal_number, read_text
+from vmach.machine.tables.run_numbers import NumberedReadings, doubled_notes, numbering_notes
 from vmach.machine.tables.runs import Runs
 
 __all__ = [
@@ -88,7 +90,7 @@ class ErrorTable:
     def in_degrees(self) -> Runs:
         """The same of a rotary axis, over degrees."""
         own = self.as_runs
-        return Runs(np.degrees(own.position_mm), own.forward, own.backward)
+        return replace(own, position_mm=np.degrees(own.position_mm))
 
 
 def read_error_table(
@@ -165,8 +167,13 @@ class _Header:
         self.position, self.position_unit = self._find_position(positions)
         self.position_scale = positions[self.position_unit]
         self.approach = names.index("approach") if "approach" in names else None
+        is_numbered = self.approach is not None and "run" in names
+        self.run = names.index("run") if is_numbered else None
         self.forward: list[int] = []
         self.backward: list[int] = []
+        #: numbers in the names of these columns, 0 where a name has none
+        self.forward_number: list[int] = []
+        self.backward_number: list[int] = []
         self.scale = np.ones(len(names))
         self.scale[self.position] = self.position_scale
         for column, name in enumerate(names):
@@ -182,10 +189,13 @@ class _Header:
                     accepted=", ".join(units),
                 )  # fmt: skip
             self.scale[column] = units[own]
+            number = int(found[2][1:]) if found[2] else 0
             if found[1] != "backward":
                 self.forward.append(column)
+                self.forward_number.append(number)
             if found[1] != "forward":
                 self.backward.append(column)
+                self.backward_number.append(number)
         if not self.forward or not self.backward or len(set(names)) < len(names):
             raise self._wrong()
 
@@ -226,6 +236,12 @@ def _numbers(cells: list[str], header: _Header, path: Path, line: int) -> np.nda
     if header.approach is not None and numbers[header.approach] == 0:
         approach = cells[header.approach]
         raise InputError(f"approach {approach}", file=path, line=line, accepted="1 or -1")
+    if header.run is not None and not (numbers[header.run] >= 0 and numbers[header.run] % 1 == 0):
+        raise InputError(
+            f"run '{cells[header.run]}'", file=path, line=line,
+            accepted="the number of the run: 0, 1, 2, ...",
+            hint="without a column run the n-th reading of a position from one side is of run n",
+        )  # fmt: skip
     values = numbers * header.scale
     sizes = np.abs(values[[*header.forward, *header.backward]])
     if (sizes > header.largest).any():
@@ -239,26 +255,39 @@ def _numbers(cells: list[str], header: _Header, path: Path, line: int) -> np.nda
 
 def _wide_runs(values: np.ndarray, header: _Header) -> Runs:
     values = values[np.argsort(values[:, header.position], kind="stable")]
+    forward, backward = header.forward_number, header.backward_number
+    if not all((*forward, *backward)):  # columns without numbers
+        forward, backward = [], []
     return Runs(
-        values[:, header.position], values[:, header.forward].T, values[:, header.backward].T
+        values[:, header.position],
+        values[:, header.forward].T,
+        values[:, header.backward].T,
+        np.array(forward, np.int64),
+        np.array(backward, np.int64),
+        notes=in_file(numbering_notes(forward, backward), header.path, header.line),
     )
 
 
 def _long_runs(values: np.ndarray, header: _Header) -> Runs:
-    """The n-th reading of a position in a direction belongs to the n-th run."""
+    """Readings by the numbers of their runs; without numbers the n-th belongs to the n-th run."""
     position = values[:, header.position]
     step = _SAME_POSITION * header.position_scale
     targets, target = np.unique(np.round(position / step), return_inverse=True)
-    sides = []
+    sides, numbers, notes = [], [], []
     for sign in (1.0, -1.0):
         mine = np.sign(values[:, header.approach]) == sign
-        count = np.bincount(target[mine], minlength=len(targets))
-        side = np.full((max(1, count.max(initial=1)), len(targets)), np.nan)
-        for k in range(len(targets)):
-            readings = values[mine & (target == k), header.forward[0]]
-            side[: len(readings), k] = readings
+        run = None if header.run is None else values[mine, header.run].astype(np.int64)
+        readings = NumberedReadings(
+            target[mine], values[mine, header.forward[0]], run, np.array(header.rows[1])[mine]
+        )
+        side, number = readings.in_rows(len(targets))
         sides.append(side)
-    return Runs(targets * step, *sides)
+        numbers.append(number)
+        places = [_listed([x], header) for x in targets * step]
+        notes += in_file(doubled_notes(readings, places, approach=int(sign)), header.path)
+    if header.run is not None:
+        notes += in_file(numbering_notes(*(n.tolist() for n in numbers)), header.path)
+    return Runs(targets * step, *sides, *numbers, notes=tuple(notes))
 
 
 def _check_positions(position: np.ndarray, header: _Header) -> None:
