@@ -68,6 +68,26 @@ def test_angles_have_no_budget(runs, capsys):
     assert "U_k2" not in table
 
 
+def test_microinches(runs, capsys):
+    iso230(runs, unit="uin", as_json=True)
+    table = json.loads(capsys.readouterr().out)["tables"]["x"]
+    assert table["unit"] == "um"
+    assert table["figures"]["E"] == pytest.approx(4 * 0.0254, abs=1e-4)
+    runs.write_text(RUNS.replace("_1,", "_1_uin,").replace("_2", "_2_uin"))
+    iso230(runs, as_json=True)
+    table = json.loads(capsys.readouterr().out)["tables"]["x"]
+    assert table["figures"]["E"] == pytest.approx(4 * 0.0254, abs=1e-4)
+
+
+def test_a_machine_file_in_microinches(tmp_path, capsys):
+    write_job(tmp_path, {"EXX": (lambda x: 0.01 * x, (0, 0, -100))})
+    text = (tmp_path / "machine.toml").read_text()
+    (tmp_path / "machine.toml").write_text(text.replace('length = "um"', 'length = "uin"'))
+    iso230(tmp_path / "machine.toml", as_json=True)
+    (table,) = json.loads(capsys.readouterr().out)["tables"].values()
+    assert table["figures"]["E"] == pytest.approx(4.0 * 0.0254, abs=1e-4)
+
+
 def test_diagram_and_json_are_written(runs, tmp_path, capsys):
     iso230(runs, out=tmp_path / "out")
     assert (tmp_path / "out/x.png").read_bytes().startswith(b"\x89PNG")

@@ -42,6 +42,17 @@ def test_unit_in_a_column_goes_before_that_of_the_machine_file(tmp_path):
     assert table.backward.tolist() == [1e-6, 2e-6]
 
 
+def test_microinches(tmp_path):
+    """An inch is 25.4 mm by definition: 100 uin are 2.54 um."""
+    text = "position_inch,forward_uin,backward\n0,100,50\n10,-20,400\n"
+    table = read(tmp_path, text, MM_PER, "uin")
+    assert table.position.tolist() == [0, 254]
+    assert table.forward == pytest.approx([2.54e-3, -0.508e-3])
+    assert table.backward == pytest.approx([1.27e-3, 10.16e-3])
+    with pytest.raises(InputError, match=r"column 'forward_uin': unit 'uin'; accepted: urad"):
+        read(tmp_path, text, RAD_PER, "urad")
+
+
 def test_single_runs_side_by_side(tmp_path):
     text = "position_mm,forward_1,backward_1,forward_2,backward_2\n0,1,3,2,4\n10,5,,7,8\n"
     table = read(tmp_path, text)

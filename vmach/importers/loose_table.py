@@ -23,7 +23,7 @@ __all__ = ["ANGLE", "LENGTH", "NUMBER", "SMALL", "SMALL_ANGLE", "SMALL_LENGTH", 
 
 #: sizes of units in the unit of the project's own files: mm; um or urad; degrees; s; 1/min
 LENGTH = {**MM_PER, "in": 25.4, "inches": 25.4}
-SMALL_LENGTH = {unit: size * 1e3 for unit, size in LENGTH.items()} | {"nm": 1e-3, "uin": 0.0254}
+SMALL_LENGTH = {unit: size * 1e3 for unit, size in LENGTH.items()} | {"nm": 1e-3}
 SMALL_ANGLE = {unit: size * 1e6 for unit, size in RAD_PER.items()} | {
     "sec": 1e6 * RAD_PER["arcsec"]
 }

@@ -47,7 +47,7 @@ class _Convention(FileSection):
         AfterValidator(_sign),
         Field(json_schema_extra={"enum": [*SignConvention, *_SIGN_IN_WORDS]}),
     ]
-    length: Literal["um", "mm", "m", "inch"]
+    length: Literal["um", "mm", "m", "inch", "uin"]
     angle: Literal["urad", "rad", "mrad", "arcsec", "deg", "um/m", "um/mm"]
     set_up: SetUp = SetUp.REFLECTOR
     reference_axes: Annotated[str, Field(pattern="^[XYZ]{2}$")] | None = None

@@ -45,7 +45,8 @@ __all__ = [
 #: no axis of a machine tool errs by more; the number is in another unit
 LARGEST_MM, LARGEST_RAD = 1.0, 0.01
 
-MM_PER = {"um": 1e-3, "mm": 1.0, "m": 1e3, "inch": 25.4}
+#: an inch is 25.4 mm (ISO 80000-3), a microinch, uin, its millionth part
+MM_PER = {"um": 1e-3, "mm": 1.0, "m": 1e3, "inch": 25.4, "uin": 25.4e-6}
 RAD_PER = {
     "urad": 1e-6, "rad": 1.0, "mrad": 1e-3, "arcsec": math.pi / 648000, "deg": math.pi / 180,
     "um/m": 1e-6, "um/mm": 1e-3,
