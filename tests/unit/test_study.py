@@ -151,6 +151,28 @@ def test_errors_are_kept_beside_the_results(tmp_path):
     assert json.loads(result.stdout)["failed"] == 4
 
 
+@pytest.mark.parametrize("processes", ["1", "2"])
+def test_a_program_that_cannot_be_read_is_told_in_its_own_words(processes, tmp_path):
+    """As ``vmach predict`` tells it: file, line and block, no class and no place of the code."""
+    job = write_job(tmp_path)
+    lines = job.with_name("part.nc").read_text().splitlines()
+    job.with_name("wrong.nc").write_text("\n".join([*lines[:2], "G1 X1 X2", *lines[2:]]) + "\n")
+    (tmp_path / "study.toml").write_text(
+        'schema = 1\n[cases]\njob = "job.toml"\npoints = "points.csv"\n'
+        'program = ["wrong.nc", "part.nc"]\n'
+    )
+    words = ["batch", str(tmp_path / "study.toml"), "--out", str(tmp_path / "out")]
+    result = CliRunner().invoke(app, [*words, "--processes", processes])
+    assert result.exit_code == 1
+    (told,) = (tmp_path / "out" / "failed").iterdir()
+    first, second = told.read_text().splitlines()
+    assert "program = wrong.nc" in first
+    assert re.match(r".*wrong\.nc:3(:\d+)?: ", second) and "'G1 X1 X2'" in second
+    assert result.stderr.rstrip().endswith(second)
+    for code in ("Error", "Traceback", ".py"):
+        assert code not in told.read_text() + result.stderr
+
+
 def test_a_case_does_not_depend_on_the_others(tmp_path):
     """Its random numbers are those of its values and the seed."""
     (tmp_path / "spared").touch()

@@ -14,6 +14,8 @@ from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 
+from gcode import ProgramError
+from stock import StockError
 from vmach.base.broken_pipe import live_on_when_the_reader_leaves
 from vmach.base.interrupt import interrupts_are_not_for_children
 from vmach.errors import VmachError
@@ -33,7 +35,7 @@ def worked(task: Task, case: Case) -> tuple[str, bool]:
     """The result of a case as text, or why there is none, and whether it is one."""
     try:
         return task.result_text(case), True
-    except VmachError as error:
+    except (VmachError, ProgramError, StockError) as error:  # about the files of the case
         return str(error), False
     except SystemExit as error:
         return f"{task.name} ends the program: sys.exit({error.code!r})", False
