@@ -206,6 +206,12 @@ REFUSED = [
     ("bore 1", "roundish 0.1", "tolerance 'roundish 0.1'; accepted: '35 H7'"),
     ("bore 1", "position Ø0.1 a", "'a' is no datum; accepted: capital letters"),
     ("bore 1", "position Ø0.1M A", "'M' is no datum.*maximum material"),
+    (
+        "bore 1",
+        "position Ø0.1 B-B",
+        "datum 'B-B' has the letter B twice; accepted: one letter, as B",
+    ),
+    ("top", "distance 0 ±0.1 to top", "of 'top' is a distance to itself; accepted: .* another"),
     ("bore 1", "position Ø0 A B C", "a value above 0"),
     ("bore 1", "cylindricity 10 um", "'um' is no datum.*hint: values are in mm"),
     ("bore 1", "cylindricity 1e-3", "hint: without a power of ten"),

@@ -106,6 +106,7 @@ def test_compare_writes_table_and_json(tmp_path, capsys):
     assert 'id="drawing"' in page and "parallelism 0.01 A" in page
 
 
+STEP = '[[features]]\nname = "step"\nfaces = "floor"\n'
 REFUSED = [
     ('[tolerances]\nbroe = "12 H7"', "no face and no point is called 'broe'; accepted: .*'bore'"),
     ('[tolerances]\nbore = "12 H77"', r"job.toml:\d+: tolerance grade IT77"),
@@ -115,6 +116,13 @@ REFUSED = [
     ('[tolerances]\n"wall *" = "40 H7"', "has no size"),
     ('[datums]\nA = "floor"\n[tolerances]\nbore = "coaxiality Ø0.1 A"', "about one axis"),
     ('[tolerances]\nbore = "13 H7"', "'bore', which is 12 mm in the CAD"),
+    (STEP + '[tolerances]\nstep = "distance 0 ±0.1 to step"',
+     r"job.toml:\d+: tolerance 'distance 0 ±0.1 to step' of 'step' is a distance to itself; "
+     r"accepted: .*hint: the size"),
+    (STEP + '[tolerances]\nstep = "distance 0 ±0.1 to floor"',
+     r"job.toml:\d+: .* is a distance to 'floor', which has the same faces; accepted: the name"),
+    ('[datums]\nC = "floor"\n[tolerances]\n"wall +X" = "perpendicularity 0.1 C-C"',
+     r"job.toml:\d+: .*: datum 'C-C' has the letter C twice; accepted: .*hint: C alone"),
     ('[[features]]\nname = "a"\n[[features]]\nname = "a"', "two features are called 'a'"),
     ('[drawing]\nlogo = "none.png"', "accepted: a PNG or JPEG file that is there"),
     ('[drawing]\nassociation = "best"', "'drawing.association' = 'best'"),

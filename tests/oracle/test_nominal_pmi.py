@@ -121,6 +121,22 @@ def test_the_cad_speaks_the_drawing_s_language(told):
     assert drawing.features[drawing.datums["A"]] == ("face 13 plane",)
 
 
+def test_one_letter_twice_is_the_datum_of_its_faces(tmp_path):
+    """ISO 5459 writes A-A for the common datum of several faces with the letter A."""
+    single = "DATUM_REFERENCE_COMPARTMENT('',$,#4,.F.,#9022,$);"
+    assert single in TOLD
+    common = (
+        "DATUM_REFERENCE_COMPARTMENT('',$,#4,.F.,COMMON_DATUM_LIST((#9043,#9044)),$);\n"
+        "#9043=DATUM_REFERENCE_ELEMENT('',$,#4,.F.,#9022,$);\n"
+        "#9044=DATUM_REFERENCE_ELEMENT('',$,#4,.F.,#9022,$);"
+    )
+    part = read_nominal(write(tmp_path, TOLD.replace(single, common)))
+    assert {one.datums for one in part.pmi.tolerances} == {(), ("A-A", "B")}
+    (asked,) = (r for r in pmi_drawing(part, ()).requirements if "position" in r.callout.text
+                and r.callout.zone)  # fmt: skip
+    assert (asked.callout.datums, asked.refused) == (("A", "B"), "")
+
+
 def test_faces_have_the_names_that_the_cad_gives_them(told):
     titles = {face.title for face in told.faces if face.title}
     assert "top face" in titles and "boss" in titles

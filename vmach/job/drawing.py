@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vmach.errors import InputError
-from vmach.features.drawing.callout import Callout, read_callout
+from vmach.features.drawing.callout import Callout, distance_to_itself, read_callout
 
 if TYPE_CHECKING:
     from vmach.job.schema import JobSchema
@@ -84,7 +84,7 @@ def read_drawing(data: JobSchema, folder: Path, at: Callable[..., dict[str, Any]
     tolerances = []
     for name, texts in data.tolerances.items():
         for text in [texts] if isinstance(texts, str) else texts:
-            tolerances.append((name, _callout(text, at("tolerances", name))))
+            tolerances.append((name, _callout(text, name, at("tolerances", name))))
     told = data.drawing
     return JobDrawing(
         features=tuple(_faces(entry) for entry in data.features),
@@ -106,9 +106,12 @@ def _faces(entry: Any) -> NamedFaces:
     )
 
 
-def _callout(text: str, where: dict[str, Any]) -> Callout:
+def _callout(text: str, feature: str, where: dict[str, Any]) -> Callout:
     try:
-        return read_callout(text)
+        found = read_callout(text)
+        if found.to == feature:
+            raise distance_to_itself(found, feature)
+        return found
     except InputError as error:
         raise InputError(error.what, accepted=error.accepted, hint=error.hint, **where) from None
 

@@ -77,7 +77,9 @@ class _Naming:
 
 
 def _tolerance(feature: str, one: PmiTolerance) -> Requirement:
-    text = " ".join([one.characteristic, f"{one.zone}{_number(one.value_mm)}", *one.datums])
+    # A-A of ISO 5459, the common datum of several faces with one letter, is the feature A here
+    datums = ["-".join(dict.fromkeys(label.split("-"))) for label in one.datums]
+    text = " ".join([one.characteristic, f"{one.zone}{_number(one.value_mm)}", *datums])
     refused = ""
     if one.modifiers:
         words = one.modifiers[0].replace("_", " ").lower()

@@ -12,7 +12,7 @@ import numpy as np
 from vmach.errors import InputError
 from vmach.features.association.associate import Association, associate
 from vmach.features.derived import derived_points, in_plane, largest_gap_rad, section_rows
-from vmach.features.drawing.callout import Callout
+from vmach.features.drawing.callout import Callout, distance_to_itself
 from vmach.features.feature import Feature, Member, Points
 from vmach.features.measure import Measure
 
@@ -206,8 +206,11 @@ def distance(feature: Feature, other: Feature, points: Points, callout: Callout)
     Raises
     ------
     InputError
-        They are not parallel, or have another nominal distance.
+        They are one feature, are not parallel, or have another nominal distance.
     """
+    own = _points_of(feature)
+    if own and own == _points_of(other):
+        raise distance_to_itself(callout, feature.name)
     ends = [_reference(f, points) for f in (feature, other)]
     normals = [end[2] for end in ends if end[2] is not None]
     nominal = ends[1][1] - ends[0][1]
@@ -230,6 +233,11 @@ def distance(feature: Feature, other: Feature, points: Points, callout: Callout)
         rows.append(own)
         weight.append(sign * direction @ gain)
     return [Measure(value, np.concatenate(rows), np.concatenate(weight))]
+
+
+def _points_of(feature: Feature) -> set[int]:
+    """Indices of all points of a feature."""
+    return {row for member in feature.members for row in member.rows.tolist()}
 
 
 def _reference(feature: Feature, points: Points):

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from vmach.errors import InputError
 from vmach.features.drawing.fits import fit_limits_mm
 
-__all__ = ["CHARACTERISTICS", "Callout", "read_callout"]
+__all__ = ["CHARACTERISTICS", "Callout", "distance_to_itself", "read_callout"]
 
 #: geometrical characteristics: the fewest and the most datums of each
 CHARACTERISTICS = {
@@ -133,6 +133,16 @@ def read_callout(text: str) -> Callout:
     )
 
 
+def distance_to_itself(callout: Callout, feature: str) -> InputError:
+    """The error for a distance whose two ends are one feature."""
+    same = "itself" if callout.to == feature else f"{callout.to!r}, which has the same faces"
+    return InputError(
+        f"tolerance {callout.text!r} of {feature!r} is a distance to {same}",
+        accepted="the name of another feature or face behind 'to'",
+        hint="the size of one feature is written without 'distance', as '40 ±0.02'",
+    )
+
+
 def _hint(words: str) -> str | None:
     """What to do about a comma, a power of ten, another unit or a modifier; None without one."""
     for pattern, said in _SLIPS:
@@ -201,6 +211,7 @@ def _read_frame(text: str, name: str, rest: str) -> Callout:
         )
     datums = found["rest"].replace(",", " ").split()
     wrong = [word for word in datums if not _DATUM.fullmatch(word)]
+    twice = [word for word in datums if word[:1] == word[2:]]
     if found["rest"][:1].isalpha():
         wrong = [found["rest"].split()[0]]
     if wrong:
@@ -208,6 +219,13 @@ def _read_frame(text: str, name: str, rest: str) -> Callout:
             f"tolerance {text!r}: {wrong[0]!r} is no datum",
             accepted="capital letters, as A, B or A-B; 'along X'",
             hint=_hint(rest),
+        )
+    if twice:
+        letter = twice[0][0]
+        raise InputError(
+            f"tolerance {text!r}: datum {twice[0]!r} has the letter {letter} twice",
+            accepted=f"one letter, as {letter}, or two different ones, as A-B",
+            hint=f"{letter} alone is the datum of all faces of its feature",
         )
     fewest, most = CHARACTERISTICS[name]
     if not fewest <= len(datums) <= most:
