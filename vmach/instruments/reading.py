@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,7 @@ from vmach.measurements.plausibility.alternatives import (
     is_doubtful,
     other_sign,
 )
+from vmach.measurements.plausibility.exchanged_diagonals import DiagonalPair
 from vmach.measurements.plausibility.motion_check import check_times
 from vmach.measurements.plausibility.reading_check import (
     SIGNS_ACCEPTED,
@@ -62,6 +64,7 @@ def read_instruments(job: Job, *, effects: Sequence[ActingEffect] = ()) -> tuple
         Unknown kind or key, missing file or column, a value that is no number, another unit.
     """
     found: list[Measurement] = []
+    read: list[tuple[Instrument, Columns]] = []
     model = _Model(job, effects)
     for number in range(len(job.measurements)):
         settings = settings_of(job, number)
@@ -74,7 +77,39 @@ def read_instruments(job: Job, *, effects: Sequence[ActingEffect] = ()) -> tuple
             others = _alternatives(settings, table, model)
             test = test.noted(*alternative_notes(test, (*others, other_sign(test))))
         found.append(test)
-    return tuple(found)
+        read.append((settings, table))
+    return _asked_about_names(found, read, model)
+
+
+def _asked_about_names(
+    tests: Sequence[Measurement], read: Sequence[tuple[Instrument, Columns]], model: _Model
+) -> tuple[Measurement, ...]:
+    """The tests, with a question for every two that look like each other's."""
+    pairs = []
+    for k, other in combinations(range(len(tests)), 2):
+        keys = read[k][0].exchanged_keys
+        if not keys or type(read[k][0]) is not type(read[other][0]):
+            continue
+        with suppress(InputError):  # one is too short for the readings of the other
+            there = tuple(
+                read_by_clock(_named_as(read[own][0], read[its][0]), read[own][1], model)
+                for own, its in ((k, other), (other, k))
+            )
+            pair = DiagonalPair((tests[k], tests[other]), (there[0], there[1]))
+            if pair.looks_exchanged:
+                pairs.append((pair.apart_mm[1], k, other, pair))
+    asked = list(tests)
+    told: set[int] = set()
+    for _, k, other, pair in sorted(pairs, key=lambda found: found[:3]):
+        if told.isdisjoint((k, other)):
+            told |= {k, other}
+            asked[k] = asked[k].noted(pair.note())
+    return tuple(asked)
+
+
+def _named_as(settings: Instrument, other: Instrument) -> Instrument:
+    """One test with the keys of another by which both may have been exchanged."""
+    return settings.model_copy(update={key: getattr(other, key) for key in other.exchanged_keys})
 
 
 def _alternatives(settings: Instrument, table: Columns, model: _Model) -> Iterator[Alternative]:

@@ -143,6 +143,8 @@ class Instrument(FileSection):
     shows_law_band: ClassVar[bool] = False
     #: how many of its diagrams stand side by side on paper
     abreast: ClassVar[Literal[2, 3]] = 2
+    #: keys by which two tests of the kind may have been exchanged
+    exchanged_keys: ClassVar[tuple[str, ...]] = ()
     #: whether a job names its file in a ``[[measurements]]``
     is_section_of_job: ClassVar[bool] = True
     #: how often it is used; of tests that do as well the more frequent is planned first

@@ -33,6 +33,7 @@ class Diagonal(Instrument):
     )
     left_free = "zero"
     shows_law_band = True
+    exchanged_keys = ("from_mm", "to_mm")
 
     from_mm: Point
     to_mm: Point
