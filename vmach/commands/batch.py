@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from vmach.base.progress import progress_bar
+from vmach.base.terminal import console
 from vmach.commands.options import AsJson
 
 __all__ = ["batch"]
@@ -38,6 +39,8 @@ def batch(
     """Work on the cases of a study that have no result yet."""
     from vmach.files.atomic import check_outputs
     from vmach.files.table_file import check_table_file
+    from vmach.study.capability import study_performance
+    from vmach.study.printing import print_performance
     from vmach.study.results import ResultFolder
     from vmach.study.run_study import Shard, merge_study, run_study
     from vmach.study.study import read_study
@@ -54,15 +57,18 @@ def batch(
         )
         if merge is not None and not found.failed:
             merge_study(read, folder, merge)
+    performance = list(study_performance(read, ResultFolder(folder)))
     figures = {
         "cases": found.cases, "there": found.there, "done": found.done, "failed": found.failed,
         "folder": str(folder), "merged": str(merge) if merge and not found.failed else None,
+        "performance": performance,
     }  # fmt: skip
     if as_json:
         print(json.dumps(figures, indent=1))
     else:
         print(f"{folder}: {found.cases} cases, {found.there} were there, {found.done} done"
               + (f"; all of the study in {merge}" if figures["merged"] else ""))  # fmt: skip
+        print_performance(console(), performance)
     if found.failed:
         told = f"{found.failed} cases failed; why is in {folder / 'failed'}"
         first = ResultFolder(folder).first_failure()
