@@ -7,7 +7,9 @@ import math
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+from vmach.cli import app
 from vmach.commands.iso230 import iso230
 from vmach.errors import InputError
 from vmach.iso230.by_run import outliers, run_figures
@@ -186,3 +188,50 @@ def test_numbers_go_with_a_table_that_counts_against_the_axis(tmp_path):
     turned = in_machine_coordinates(table, 400.0, reverse=True, swap=True, negate=True).runs
     assert turned.forward_number.tolist() == [2, 4]
     assert turned.backward[0] == pytest.approx(-table.runs.forward[0, ::-1])
+
+
+LASER = """Maschine;Beispiel;;
+Position (mm);Abweichung (µm);Richtung;Lauf
+0,0;1,0;+;4
+100,0;2,0;+;4
+100,0;1,0;-;4
+0,0;0,0;-;4
+0,0;1,4;+;7
+100,0;2,4;+;7
+100,0;1,4;-;7
+0,0;0,4;-;7
+"""
+
+
+def table_of(tmp_path, text):
+    """What `vmach import` makes of a laser file."""
+    (tmp_path / "x.csv").write_text(text, encoding="utf-8")
+    words = ["import", str(tmp_path / "x.csv"), "--error", "EXX", "-o", str(tmp_path), "--yes"]
+    made = CliRunner().invoke(app, words, catch_exceptions=False)
+    assert made.exit_code == 0, made.output
+    return read_error_table(tmp_path / "errors" / "EXX.csv", MM_PER, "um").runs, made.output
+
+
+def test_the_import_keeps_the_numbers_of_a_laser_file(tmp_path):
+    runs, told = table_of(tmp_path, LASER)
+    assert runs.forward_number.tolist() == runs.backward_number.tolist() == [4, 7]
+    assert 1e3 * runs.forward == pytest.approx(np.array([[1.0, 2.0], [1.4, 2.4]]))
+    assert 1e3 * runs.backward == pytest.approx(np.array([[0.0, 1.0], [0.4, 1.4]]))
+    assert "counted anew" not in told
+
+
+@pytest.mark.parametrize(
+    ("numbers", "said"), [("4", "run 4 has the position of line 7"), ("A", "no whole numbers")]
+)
+def test_numbers_that_tell_no_runs_are_counted_anew(numbers, said, tmp_path):
+    runs, told = table_of(tmp_path, LASER.replace(";7", f";{numbers}"))
+    assert runs.forward_number.tolist() == [1, 2]
+    assert 1e3 * runs.forward == pytest.approx(np.array([[1.0, 2.0], [1.4, 2.4]]))
+    assert said in told and "counted anew" in told
+
+
+def test_the_import_keeps_the_numbers_of_headings(tmp_path):
+    text = "Position (mm),Run 3 + (um),Run 3 - (um),Run 5 + (um),Run 5 - (um)\n"
+    runs, _ = table_of(tmp_path, text + "0,1,0,2,1\n100,3,2,4,3\n")
+    assert runs.forward_number.tolist() == [3, 5]
+    assert 1e3 * runs.backward == pytest.approx(np.array([[0.0, 2.0], [1.0, 3.0]]))

@@ -60,9 +60,12 @@ def runs_text(runs: Runs, name: str) -> str:
     """The table of a component error, runs side by side, values in um or urad."""
     unit = unit_of(name)
     columns: Mapping[str, np.ndarray] = {
-        f"{way}_{k + 1}_{unit}": run
-        for way, sides in (("forward", runs.forward), ("backward", runs.backward))
-        for k, run in enumerate(sides)
+        f"{way}_{number}_{unit}": run
+        for way, sides, numbers in (
+            ("forward", runs.forward, runs.forward_number),
+            ("backward", runs.backward, runs.backward_number),
+        )
+        for number, run in zip(numbers.tolist(), sides, strict=True)
     }
     lines = [",".join(["position_mm", *columns])]
     for place, *values in zip(runs.position_mm, *columns.values(), strict=True):

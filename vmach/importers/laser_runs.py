@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -14,9 +15,10 @@ from vmach.importers.questions import Questions
 from vmach.importers.self_check import LaserReadings, check_laser
 from vmach.importers.source_file import SourceFile
 from vmach.machine.component_errors import component_of
+from vmach.machine.tables.run_numbers import NumberedReadings
 from vmach.machine.tables.runs import Runs
 
-__all__ = ["LASER_KEYS", "Readings", "approach_in_order", "table_imported"]
+__all__ = ["LASER_KEYS", "Readings", "approach_in_order", "kept_numbers", "table_imported"]
 
 #: what is asked of every kind of laser file
 LASER_KEYS: Mapping[str, str] = {
@@ -47,12 +49,15 @@ class Readings:
         +1 or -1: the sign of the motion into the position.
     line : (P,) int array
         Of the file, 1-based.
+    run : (P,) int array or None
+        Number of the run; None where the file has no numbers, or such that tell no runs.
     """
 
     position: np.ndarray
     value: np.ndarray
     approach: np.ndarray
     line: np.ndarray
+    run: np.ndarray | None = None
 
 
 def table_imported(
@@ -117,7 +122,9 @@ def _without_zeros(readings: Readings) -> tuple[Readings, tuple[str, ...]]:
         mine = readings.approach == way
         count, other = np.count_nonzero(mine), readings.value[~mine]
         if count >= _NOT_MEASURED and not readings.value[mine].any() and other.any():
-            kept = Readings(*(getattr(readings, f.name)[~mine] for f in fields(readings)))
+            every = {f.name: getattr(readings, f.name) for f in fields(readings)}
+            left = {name: own[~mine] for name, own in every.items() if own is not None}
+            kept = replace(readings, **left)
             return kept, (f"all {count} readings {name} are 0: taken as not measured",)
     return readings, ()
 
@@ -169,26 +176,52 @@ def approach_in_order(position: np.ndarray) -> np.ndarray:
 
 
 def _runs(readings: Readings, source: SourceFile) -> Runs:
-    """The n-th reading of a position from one side belongs to the n-th run."""
+    """Readings by the numbers of their runs; else the n-th of a position is that of run n."""
     target, place = np.unique(_targets(readings.position), return_inverse=True)
     if len(target) < 2:
         raise source.error(f"{len(target)} position", accepted="two or more positions")
-    sides: Mapping[float, list[np.ndarray]] = {1.0: [], -1.0: []}
-    for way, own in sides.items():
-        count = np.zeros(len(target), dtype=int)
-        for k in np.flatnonzero(readings.approach == way):
-            if count[place[k]] == len(own):
-                own.append(np.full(len(target), np.nan))
-            own[count[place[k]]][place[k]] = readings.value[k]
-            count[place[k]] += 1
-    forward, backward = sides[1.0] or sides[-1.0], sides[-1.0] or sides[1.0]
-    for name, side in (("forward", forward), ("backward", backward)):
+    sides = {}
+    for way in (1.0, -1.0):
+        mine = readings.approach == way
+        if mine.any():
+            run = None if readings.run is None else readings.run[mine]
+            own = NumberedReadings(place[mine], readings.value[mine], run, readings.line[mine])
+            sides[way] = own.in_rows(len(target))
+    forward, backward = sides.get(1.0) or sides[-1.0], sides.get(-1.0) or sides[1.0]
+    for name, (side, _) in (("forward", forward), ("backward", backward)):
         for end in (0, -1):
-            if np.isnan([run[end] for run in side]).all():
+            if np.isnan(side[:, end]).all():
                 line = int(readings.line[np.argmax(target[place] == target[end])])
                 raise source.error(
                     f"no {name} reading at {target[end]:g}, an end of the table",
                     line=line,
                     accepted="both directions at either end, or one direction only",
                 )
-    return Runs(target, np.array(forward), np.array(backward))
+    return Runs(target, forward[0], backward[0], forward[1], backward[1])
+
+
+def kept_numbers(readings: Readings, names: Sequence[str]) -> tuple[Readings, tuple[str, ...]]:
+    """The readings with the numbers of a column of runs, and a line where they tell no runs.
+
+    Parameters
+    ----------
+    readings : Readings
+    names : sequence of str
+        Cells of the column, (P,).
+    """
+    if not all(re.fullmatch(r"\d{1,9}", name.strip()) for name in names):
+        return readings, ("the column of runs holds no whole numbers: runs are counted anew",)
+    run = np.array([int(name) for name in names], np.int64)
+    place = np.unique(_targets(readings.position), return_inverse=True)[1]
+    keys = np.column_stack([run, place, readings.approach])
+    _, first, back = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    again = np.flatnonzero(first[back.ravel()] != np.arange(len(keys)))
+    if again.size:
+        k = again[0]
+        told = (
+            f"run {run[k]} has the position of line {readings.line[k]} already in line "
+            f"{readings.line[first[back.ravel()[k]]]}, from the same side: is a number wrong? Runs "
+            "are counted anew"
+        )
+        return readings, (told,)
+    return replace(readings, run=run), ()

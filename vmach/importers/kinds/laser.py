@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from vmach.importers.component_table import component_question, unit_of
 from vmach.importers.importer import Imported, Importer
-from vmach.importers.laser_runs import LASER_KEYS, Readings, approach_in_order, table_imported
+from vmach.importers.laser_runs import (
+    LASER_KEYS,
+    Readings,
+    approach_in_order,
+    kept_numbers,
+    table_imported,
+)
 from vmach.importers.loose_table import (
     LENGTH,
     SMALL,
@@ -48,6 +56,13 @@ _APPROACH = Column(
     is_needed=False,
     is_text=True,
 )
+_RUN = Column(
+    "run",
+    ("run", "lauf", "run number", "run no", "run no.", "lauf nr", "lauf nr.", "laufnummer", "cycle",
+     "essai"),
+    is_needed=False,
+    is_text=True,
+)  # fmt: skip
 _FORWARD = (
     "+",
     "1",
@@ -116,13 +131,18 @@ class LaserRuns(Importer):
         name = component_question(source, questions)
         _check_dimension(table, name)
         readings = _readings(table, questions)
-        return table_imported(readings, name, source, questions)
+        told: tuple[str, ...] = ()
+        if (numbers := _numbers_of_runs(table)) is not None:
+            readings, told = kept_numbers(readings, numbers)
+        found = table_imported(readings, name, source, questions)
+        return replace(found, told=(*told, *found.told))
 
 
 def _table(source: SourceFile, questions: Questions) -> LooseTable | None:
     unit, given = questions.unit(), questions.columns
     deviation = Column(_DEVIATION.name, _DEVIATION.words, SMALL, unit)
-    for columns in ((_POSITION, deviation, _APPROACH), (_POSITION, _ACTUAL, _APPROACH)):
+    for value in (deviation, _ACTUAL):
+        columns = (_POSITION, value, _APPROACH, _RUN)
         found = LooseTable.find(source, columns, given=given)
         if found is not None:
             return found
@@ -186,6 +206,21 @@ def _readings(table: LooseTable, questions: Questions) -> Readings:
             ways = np.full(len(rows), way)
             found.append((position[rows], sign * column[rows], ways, table.lines[rows]))
     return Readings(*(np.concatenate(part) for part in zip(*found, strict=True)))
+
+
+def _numbers_of_runs(table: LooseTable) -> list[str] | None:
+    """The number of the run of every reading, as the file has it; None where it has none."""
+    if "run" in table.text:
+        return list(table.text["run"])
+    columns = {name: column for name, column in table.numbers.items() if name != "position"}
+    numbers = {name: name.partition("_")[2] for name in columns}
+    if not columns or not all(numbers.values()):
+        return None
+    return [
+        numbers[name]
+        for name, column in columns.items()
+        for _ in range(np.count_nonzero(np.isfinite(column)))
+    ]
 
 
 def _approach(table: LooseTable, position: np.ndarray) -> np.ndarray:

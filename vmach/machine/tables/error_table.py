@@ -59,6 +59,7 @@ _ACCEPTED = (
 _BOTH_HINT = "readings of one direction, or means of both, go into a column error"
 POSITION_RAD_PER = {"deg": math.pi / 180.0, "rad": 1.0}
 POSITION_MM_PER = {unit: MM_PER[unit] for unit in ("mm", "m", "inch")}
+_NO_NUMBER = -1  #: of a column whose name has none
 _SAME_POSITION = 1e-3  #: in the unit of the file
 
 
@@ -172,7 +173,7 @@ class _Header:
         self.run = names.index("run") if is_numbered else None
         self.forward: list[int] = []
         self.backward: list[int] = []
-        #: numbers in the names of these columns, 0 where a name has none
+        #: numbers in the names of these columns
         self.forward_number: list[int] = []
         self.backward_number: list[int] = []
         self.scale = np.ones(len(names))
@@ -190,7 +191,7 @@ class _Header:
                     accepted=", ".join(units),
                 )  # fmt: skip
             self.scale[column] = units[own]
-            number = int(found[2][1:]) if found[2] else 0
+            number = int(found[2][1:]) if found[2] else _NO_NUMBER
             if found[1] != "backward":
                 self.forward.append(column)
                 self.forward_number.append(number)
@@ -257,7 +258,7 @@ def _numbers(cells: list[str], header: _Header, path: Path, line: int) -> np.nda
 def _wide_runs(values: np.ndarray, header: _Header) -> Runs:
     values = values[np.argsort(values[:, header.position], kind="stable")]
     forward, backward = header.forward_number, header.backward_number
-    if not all((*forward, *backward)):  # columns without numbers
+    if _NO_NUMBER in (*forward, *backward):
         forward, backward = [], []
     return Runs(
         values[:, header.position],
