@@ -59,8 +59,8 @@ _HOPELESS = -2.0
 #: moves at most; a search that goes on has something to report already
 _MOVES = 12
 
-_Move = Callable[[Weighing, Explanation], Iterator[Explanation]]
-_Rival = Callable[[Weighing, Explanation], float]
+_Moves = Sequence[Callable[[Weighing, Explanation], Iterator[Explanation]]]
+_Rival = Callable[[Weighing, Explanation], float]  # log odds
 
 
 def search(weighing: Weighing, here: Explanation) -> Explanation:
@@ -78,13 +78,7 @@ def search_beyond(
 ) -> Explanation:
     """A more probable set, by all moves; a large discrepancy is filled where none of them helps.
 
-    Parameters
-    ----------
-    weighing : Weighing
-    here : Explanation
-    rival : callable
-        Log odds by which something else than effects explains more than an explanation does, asked
-        where effects fill a large discrepancy: far behind that, they are not led on from.
+    A rival is asked by how much something else explains more: effects far behind are left alone.
     """
     moves = (_added, _uncovered, _afresh, _exchanged, _elsewhere, _split, _paired)
     here = _led_on(weighing, here, moves)
@@ -111,7 +105,7 @@ def search_possible(weighing: Weighing, here: Explanation) -> Explanation:
     return further if _is_possible(weighing, further) else best
 
 
-def _led_on(weighing: Weighing, here: Explanation, moves: Sequence[_Move]) -> Explanation:
+def _led_on(weighing: Weighing, here: Explanation, moves: _Moves) -> Explanation:
     """Where moves lead to, while one makes the whole more probable; the first kinds first."""
     here = _remembered(weighing, here)
     for _ in range(_MOVES):
@@ -217,9 +211,7 @@ def _elsewhere(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
                     yield weighing.explain(child.terms, child.posterior.sizes)
 
 
-def _filled(
-    weighing: Weighing, here: Explanation, moves: Sequence[_Move], rival: _Rival
-) -> Explanation:
+def _filled(weighing: Weighing, here: Explanation, moves: _Moves, rival: _Rival) -> Explanation:
     """Several effects in place of a large discrepancy, and what other moves make of them.
 
     Together they may be less probable at first, as some stand for others. As given where none do.
@@ -232,10 +224,9 @@ def _filled(
     if last is start:
         return here
     filled = without_needless(weighing, weighing.explain(last.terms, sizes))
-    least = here.score - _BEHIND
-    if filled.labels != here.labels and filled.score > least:
-        if filled.score > least + rival(weighing, here):
-            filled = _led_on(weighing, filled, moves)
+    behind, is_new = here.score - filled.score, filled.labels != here.labels
+    if is_new and behind < _BEHIND and behind + rival(weighing, here) < _BEHIND:
+        filled = _led_on(weighing, filled, moves)
     return _remembered(weighing, filled)
 
 
@@ -341,14 +332,10 @@ def without_needless(
 
     Some may have to stay, by their labels.
     """
-
-    def cost(k: int) -> float:
-        return -weighing.without(here, [k], resize=False).score
-
     while len(here.terms) > 1:
         free = [k for k, term in enumerate(here.terms) if term.label not in but]
-        least = sorted(free, key=cost)[:_TRIED]
-        fewer = (weighing.without(here, [k]) for k in least)
+        left = {k: weighing.without(here, [k], resize=False).score for k in free}
+        fewer = (weighing.without(here, [k]) for k in sorted(free, key=lambda k: -left[k])[:_TRIED])
         best = max(fewer, key=lambda e: e.score, default=None)
         if best is None or best.score < here.score:
             break

@@ -27,6 +27,7 @@ from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.proposals.form import FormEffect
 from vmach.diagnosis.proposals.forms import Forms
 from vmach.diagnosis.proposals.proposal import Proposal
+from vmach.diagnosis.proposals.remembered_forms import RememberedForms
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.sizes import Sizes
 from vmach.fit.terms import JointFit, Term
@@ -38,6 +39,9 @@ _PASSES = 2
 #: readings of a measurement that a search goes over first, at least, where there are twice as many;
 #: chosen: half of 500 to 900 points cost three right answers of 136 parts, so many none of 16
 _SEARCHED = 2500
+
+_Found = tuple[Weighing, Explanation]
+_LeadOn = Callable[[Weighing, Explanation], Explanation]
 
 
 class Reason(StrEnum):
@@ -165,7 +169,7 @@ def led(weighing: Weighing) -> tuple[Weighing, Explanation, Forms, Explanation]:
     weighing.release()
     del weighing, found, forms, grown  # large, and of other contacts
     weighing, found = _taken_over(prepare_weighing(moved, effects), terms, by_forms=True)
-    return _with_forms(weighing, found, _WithForms(), kept)
+    return _with_forms(weighing, found, RememberedForms(), kept)
 
 
 def _led(weighing: Weighing) -> tuple[Weighing, Explanation, Forms, Explanation]:
@@ -174,55 +178,28 @@ def _led(weighing: Weighing) -> tuple[Weighing, Explanation, Forms, Explanation]
     Of many readings some are searched first. Where no form takes the place of effects there, none
     is tried in the place of these on all readings: that takes long.
     """
-    few, beside = weighing.survey.thinned(_SEARCHED), None
-    with_forms = _WithForms()
+    few, beside, known = weighing.survey.thinned(_SEARCHED), None, RememberedForms()
     if few is weighing.survey:
-        weighing, found = _sought(weighing, with_forms)
+        weighing, found = _sought(weighing, known)
     else:
-        some, found = _sought(prepare_weighing(few, weighing.effects), with_forms)
-        terms, (_, grown) = found.terms, with_forms.of(some, found)
+        some, found = _sought(prepare_weighing(few, weighing.effects), known)
+        terms, (_, grown) = found.terms, known.of(some, found)
         beside = None if _forms_of(grown) else found.labels & grown.labels
         some.release()
-        with_forms = _WithForms()
+        known = RememberedForms()
         weighing, found = _taken_over(weighing, terms)
-    return _with_forms(weighing, found, with_forms, beside)
-
-
-class _WithForms:
-    """Forms beside what a search found; the last are remembered, as they take long."""
-
-    def __init__(self) -> None:
-        self._last: tuple[Weighing, Explanation, Forms, Explanation] | None = None
-
-    def of(
-        self, weighing: Weighing, found: Explanation, beside: AbstractSet[str] | None = None
-    ) -> tuple[Forms, Explanation]:
-        """The forms, and the explanation that they lead to, as `Forms.grown` has it."""
-        if self._last is None or self._last[0] is not weighing or self._last[1] is not found:
-            self._last = None  # large
-            forms = Forms(weighing, found)
-            self._last = weighing, found, forms, forms.grown(found, beside=beside)
-        return self._last[2:]
-
-    def lead(self, weighing: Weighing, found: Explanation) -> float:
-        """Log odds by which forms explain more than what was found."""
-        return self.of(weighing, found)[1].score - found.score
+    return _with_forms(weighing, found, known, beside)
 
 
 def _with_forms(
-    weighing: Weighing,
-    found: Explanation,
-    with_forms: _WithForms,
-    beside: AbstractSet[str] | None,
+    weighing: Weighing, found: Explanation, known: RememberedForms, beside: AbstractSet[str] | None
 ) -> tuple[Weighing, Explanation, Forms, Explanation]:
     """Effects as nature has them, and forms beside some of them, or in the place of any."""
     weighing, found = as_defined(weighing, search_possible(weighing, found))
-    return weighing, found, *with_forms.of(weighing, found, beside)
+    return weighing, found, *known.of(weighing, found, beside)
 
 
-def _taken_over(
-    weighing: Weighing, terms: Sequence[Term], *, by_forms: bool = False
-) -> tuple[Weighing, Explanation]:
+def _taken_over(weighing: Weighing, terms: Sequence[Term], *, by_forms: bool = False) -> _Found:
     """What some of the readings, or other contacts, led to, and what all lead to beside it.
 
     Their noise comes first: taken for white, it would be told as effects. Effects alone would not
@@ -238,7 +215,7 @@ def _taken_over(
     return weighing, search_exchanging(weighing, without_needless(weighing, found))
 
 
-def _sought(weighing: Weighing, with_forms: _WithForms) -> tuple[Weighing, Explanation]:
+def _sought(weighing: Weighing, known: RememberedForms) -> _Found:
     """What a search finds from nothing, and the weighing with the noise that it leaves.
 
     Two more starts lead to one: over contacts that an effect would choose, unless that was found,
@@ -252,16 +229,14 @@ def _sought(weighing: Weighing, with_forms: _WithForms) -> tuple[Weighing, Expla
     if not tails.is_plain and not weighing.base.noise.is_plain:
         tailed = weighing.with_candidates(weighing.candidates).with_noise(tails)
         weighing, found = _better(weighing, found, tailed)
-    return _settled(weighing, found, lambda w, e: search_beyond(w, e, with_forms.lead))
+    return _settled(weighing, found, lambda w, e: search_beyond(w, e, known.lead))
 
 
 def _forms_of(grown: Explanation) -> list[Term]:
     return [term for term in grown.terms if isinstance(term.effect, FormEffect)]
 
 
-def _better(
-    weighing: Weighing, found: Explanation, start: Weighing
-) -> tuple[Weighing, Explanation]:
+def _better(weighing: Weighing, found: Explanation, start: Weighing) -> _Found:
     """What another start leads to, where that is more probable; one at a time, for its memory."""
     weighing.forget()
     other, end = _settled(start, start.nothing(), search)
@@ -271,11 +246,7 @@ def _better(
     return weighing, found
 
 
-def _settled(
-    weighing: Weighing,
-    start: Explanation,
-    lead_on: Callable[[Weighing, Explanation], Explanation],
-) -> tuple[Weighing, Explanation]:
+def _settled(weighing: Weighing, start: Explanation, lead_on: _LeadOn) -> _Found:
     """The most probable set that moves lead to, over its own contacts and beside its own noise."""
     found, led_from = lead_on(weighing, start), start.labels
     for _ in range(_PASSES):
