@@ -78,6 +78,51 @@ def test_linuxcnc_files_that_the_control_would_not_take(tmp_path, rows, message)
         read_linuxcnc(linuxcnc_files(tmp_path, rows, 1))
 
 
+@pytest.mark.parametrize(
+    ("rows", "line"),
+    [
+        ("0 0 0\n100 100.01\n200 200 200\n", 2),  # a cell is missing
+        ("0 0 0\n100 100 100\n200 200,01 200\n300 300 300\n", 3),
+        ("0 nan 0\n100 100 100\n", 1),
+    ],
+)
+def test_linuxcnc_entry_that_would_cut_the_table_short_is_refused(tmp_path, rows, line):
+    with pytest.raises(InputError, match="is no entry") as told:
+        read_linuxcnc(linuxcnc_files(tmp_path, rows, 0))
+    assert (told.value.file.name, told.value.line) == ("x.comp", line)
+
+
+def test_linuxcnc_keys_of_a_joint_may_stand_in_any_order(tmp_path):
+    # LinuxCNC looks keys up by section; without COMP_FILE_TYPE it takes 0
+    linuxcnc_files(tmp_path, "0 0 0\n100 100.010 100.010\n", 0)
+    (tmp_path / "y.comp").write_text("0 0 0\n100 100.070 100.070\n")
+    (tmp_path / "z.comp").write_text("0 0 0\n100 0.003 0.003\n")
+    (tmp_path / "joints.ini").write_text(
+        "[JOINT_0]\nCOMP_FILE = x.comp\n"
+        "[JOINT_1]\nCOMP_FILE_TYPE = 0\nCOMP_FILE = y.comp\n"
+        "[JOINT_2]\nCOMP_FILE_TYPE = 1\nCOMP_FILE = z.comp\n"
+        "[AXIS_X]\nCOMP_FILE = none.comp\n"
+    )
+    read = read_linuxcnc(tmp_path)
+    assert correction_um(read, [100, 100, 100]) == pytest.approx([-10, -70, 3])
+
+
+@pytest.mark.parametrize(
+    ("ini", "line", "message"),
+    [
+        ("[JOINT_0]\nCOMP_FILE = x.comp\nCOMP_FILE_TYPE = one\n", 3, "COMP_FILE_TYPE = one"),
+        ("[JOINT_3]\nCOMP_FILE = x.comp\n", 1, "JOINT_3"),
+        ("[TRAJ]\nLINEAR_UNITS = inch\n[JOINT_0]\nCOMP_FILE = x.comp\n", 2, "inch"),
+    ],
+)
+def test_linuxcnc_ini_that_no_axis_in_mm_can_have(tmp_path, ini, line, message):
+    linuxcnc_files(tmp_path, "0 0 0\n1 1 1\n", 0)
+    (tmp_path / "joints.ini").write_text(ini)
+    with pytest.raises(InputError, match=message) as told:
+        read_linuxcnc(tmp_path)
+    assert (told.value.file.name, told.value.line) == ("joints.ini", line)
+
+
 # --- SINUMERIK -----------------------------------------------------------------------------
 
 CEC = """%_N_NC_CEC_INI

@@ -14,6 +14,7 @@ Source: LinuxCNC's "INI Configuration", [JOINT_n] COMP_FILE and COMP_FILE_TYPE, 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,12 +27,14 @@ from vmach.controller_tables.projection import AxisTable, Term
 from vmach.controller_tables.table_format import HeldErrors, TableFormat, error_name, projected
 from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
-from vmach.files.text_file import read_text
+from vmach.files.text_file import decimal_number, read_text
 
 __all__ = ["FORMATS", "MOST_ENTRIES", "ScrewCompensation", "read_linuxcnc", "write_linuxcnc"]
 
 MOST_ENTRIES = 256
 _AXES = "XYZ"
+_MILLIMETRES = ("mm", "metric")
+_STOPS = "LinuxCNC stops reading at the first line that is not three numbers"
 _COMMENT = """# What stands below the numbers is not read by LinuxCNC.
 # COMP_FILE_TYPE = {type}: {meaning}; mm, machine coordinates of joint {axis}.
 # Holds the joint's own position and its reversal; no straightness, no angle, no other axis.
@@ -97,27 +100,62 @@ def read_linuxcnc(folder: Path) -> ScrewCompensation:
     Raises
     ------
     InputError
-        Entries that do not increase, more than 256, or none.
+        Entries that do not increase, more than 256, or none; a line that begins with a
+        number and is no entry;
+        a joint above 2; a machine unit that is not mm.
     """
-    joints, joint, name = {}, None, ""
-    for line in read_text(folder / "joints.ini", what="INI file").splitlines():
+    path = folder / "joints.ini"
+    sections: dict[int, dict[str, str]] = {}
+    section: dict[str, str] | None = None
+    for number, line in enumerate(read_text(path, what="INI file").splitlines(), 1):
         key, _, value = (part.strip() for part in line.partition("="))
-        if key.startswith("[JOINT_"):
-            joint = int(key[7:-1])
-        elif key == "COMP_FILE":
-            name = value
-        elif key == "COMP_FILE_TYPE":
-            joints[joint] = _triplets(folder / name, int(value))
-    return ScrewCompensation(joints)
+        if key.startswith("["):
+            section = _section(key, sections, path, number)
+        elif key == "LINEAR_UNITS" and value not in _MILLIMETRES:
+            raise InputError(
+                f"LINEAR_UNITS = {value}", file=path, line=number, accepted=", ".join(_MILLIMETRES)
+            )
+        elif section is not None and key in ("COMP_FILE", "COMP_FILE_TYPE"):
+            section[key] = value
+            if key == "COMP_FILE_TYPE" and not re.fullmatch(r"\d+", value):
+                raise InputError(
+                    f"COMP_FILE_TYPE = {value}", file=path, line=number, accepted="0 or 1"
+                )
+    return ScrewCompensation(
+        {
+            joint: _triplets(folder / own["COMP_FILE"], int(own.get("COMP_FILE_TYPE", "0")))
+            for joint, own in sections.items()
+            if own.get("COMP_FILE")
+        }
+    )
+
+
+def _section(
+    head: str, sections: dict[int, dict[str, str]], path: Path, line: int
+) -> dict[str, str] | None:
+    """Keys of the joint whose section begins here; None for another section."""
+    found = re.fullmatch(r"\[JOINT_(\d+)\]", head)
+    if found is None:
+        return None
+    joint = int(found[1])
+    if joint >= len(_AXES):
+        raise InputError(head, file=path, line=line, accepted="joints 0, 1 and 2: X, Y and Z")
+    return sections.setdefault(joint, {})
 
 
 def _triplets(path: Path, file_type: int) -> np.ndarray:
-    rows = []
+    rows: list[tuple[float, float, float]] = []
     for number, line in enumerate(read_text(path, what="compensation file").splitlines(), 1):
-        try:
-            nominal, up, down = (float(word) for word in line.split()[:3])
-        except ValueError:
+        words = line.split()[:3]
+        if not words or np.isnan(decimal_number(words[0])):
             break
+        values = [decimal_number(word) for word in words]
+        if len(values) < 3 or not np.isfinite(values).all():
+            raise InputError(
+                f"'{line.strip()}' is no entry", file=path, line=number,
+                accepted="three numbers with decimal points", hint=_STOPS,
+            )  # fmt: skip
+        nominal, up, down = values
         if rows and nominal <= rows[-1][0]:
             raise InputError(f"nominal {nominal:g} does not increase", file=path, line=number)
         trims = (nominal - up, nominal - down) if file_type == 0 else (up, down)
