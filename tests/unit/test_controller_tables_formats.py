@@ -207,6 +207,41 @@ def test_bad_cec_files(tmp_path, old, new, message):
         read_cec(tmp_path)
 
 
+ENC = """$AA_ENC_COMP[0,0,X1]=0.010
+$AA_ENC_COMP[0,1,X1]=0.020
+$AA_ENC_COMP[0,2,X1]=0.030
+$AA_ENC_COMP_STEP[0,X1]=250.0
+$AA_ENC_COMP_MIN[0,X1]=-500.0
+$AA_ENC_COMP_MAX[0,X1]=0.0
+$AA_ENC_COMP_IS_MODULO[0,X1]=0
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "message"),
+    [
+        ("[0,0,X1]", "[0,3,X1]", 1, "no entry 0"),  # numbered 1 .. 3
+        ("[0,2,X1]", "[0,1,X1]", 3, "entry 1 stands here a second time"),
+        ("STEP[0,X1]=250.0", "STEP[0,X1]=0.0", 1, "STEP 0.0"),
+        ("MODULO[0,X1]=0", "MODULO[0,X1]=1", 7, "IS_MODULO is 1"),
+    ],
+)
+def test_encoder_table_that_cannot_be_placed_is_refused(tmp_path, old, new, line, message):
+    (tmp_path / "AX_EEC.INI").write_text(ENC)
+    assert correction_um(read_enc_comp(tmp_path), [-500, 0, 0]) == pytest.approx([-10, 0, 0])
+    (tmp_path / "AX_EEC.INI").write_text(ENC.replace(old, new))
+    with pytest.raises(InputError, match=message) as told:
+        read_enc_comp(tmp_path)
+    assert told.value.line == line
+
+
+def test_cec_of_a_direction_that_no_control_has_is_refused(tmp_path):
+    (tmp_path / "NC_CEC.INI").write_text(CEC.replace("DIRECTION[0]=1", "DIRECTION[0]=2"))
+    with pytest.raises(InputError, match="DIRECTION is 2") as told:
+        read_cec(tmp_path)
+    assert told.value.line == 11
+
+
 # --- HEIDENHAIN ----------------------------------------------------------------------------
 
 
@@ -225,6 +260,13 @@ NR AXISPOS BACKLASH Y Z
 2 10.0 0.000 0.000 0.000
 [END]
 """
+
+
+def test_heidenhain_table_in_inches_is_refused(tmp_path):
+    folder = heidenhain_files(tmp_path, COM.replace("YERR.COM MM", "YERR.COM INCH"))
+    with pytest.raises(InputError, match=r"YERR\.COM INCH") as told:
+        read_heidenhain(folder)
+    assert (told.value.file.name, told.value.line) == ("YERR.COM", 1)
 
 
 def test_heidenhain_y_and_z_follow_y(tmp_path):

@@ -24,6 +24,8 @@ AXES = ("X1", "Y1", "Z1")
 DIGITS = 6
 #: of any number of a table, mm
 _LARGEST = 1e6
+#: values of settings that are read; modulo tables belong to rotary axes
+_ACCEPTED = {"DIRECTION": ("0", "1", "-1"), "IS_MODULO": ("0",)}
 
 
 @dataclass
@@ -81,7 +83,8 @@ def read_tables(path: Path, pattern: re.Pattern) -> dict[str, SinumerikTable]:
     Raises
     ------
     InputError
-        A line of another kind, no number, or entries that MIN, MAX and STEP do not place.
+        A line of another kind, no number, an entry twice, a modulo table, or entries that MIN, MAX
+        and STEP do not place.
     """
     tables: dict[str, SinumerikTable] = {}
     for number, line in enumerate(read_text(path, what="compensation file").splitlines(), 1):
@@ -97,8 +100,19 @@ def read_tables(path: Path, pattern: re.Pattern) -> dict[str, SinumerikTable]:
             raise InputError(f"value '{value}'", file=path, line=number, accepted="a number in mm")
         table = tables.setdefault(found["table"], SinumerikTable(number))
         if name is None:
-            table.values[int(found["place"])] = float(value)
+            place = int(found["place"])
+            if place in table.values:
+                raise InputError(
+                    f"entry {place} stands here a second time", file=path, line=number,
+                    accepted="every entry once",
+                )  # fmt: skip
+            table.values[place] = float(value)
         else:
+            if name in _ACCEPTED and value not in _ACCEPTED[name]:
+                raise InputError(
+                    f"{name} is {value}", file=path, line=number,
+                    accepted=" or ".join(_ACCEPTED[name]),
+                )  # fmt: skip
             table.settings[name] = value
     _check(tables, path)
     return dict(tables)
@@ -113,9 +127,20 @@ def _check(tables: dict[str, SinumerikTable], path: Path) -> None:
                 f"table {index} has no {', '.join(sorted(missing))}", file=path, line=table.line
             )
         low, high = float(table.settings["MIN"]), float(table.settings["MAX"])
+        if float(table.settings["STEP"]) <= 0.0:
+            raise InputError(
+                f"table {index} has STEP {table.settings['STEP']}", file=path, line=table.line,
+                accepted="a step above 0 mm",
+            )  # fmt: skip
         intervals = (high - low) / float(table.settings["STEP"])
         if abs(intervals - (len(table.values) - 1)) > 1e-6 or len(table.values) < 2:
             raise InputError(
                 f"table {index} has {len(table.values)} entries for {low:g} .. {high:g} mm in "
                 f"steps of {table.settings['STEP']} mm", file=path, line=table.line,
+            )  # fmt: skip
+        absent = sorted(set(range(len(table.values))) - set(table.values))
+        if absent:
+            raise InputError(
+                f"table {index} has no entry {absent[0]}", file=path, line=table.line,
+                accepted=f"entries 0 .. {len(table.values) - 1}", hint="the control counts from 0",
             )  # fmt: skip

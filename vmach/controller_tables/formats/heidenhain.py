@@ -104,7 +104,8 @@ def read_heidenhain(folder: Path) -> AxisErrorCompensation:
     Raises
     ------
     InputError
-        A row that does not fit its head, no active line, positions that do not increase.
+        A row that does not fit its head, a table in inches, no active line, positions that do not
+        increase.
     """
     path = folder / "CONFIG.CMA"
     head, rows = _table(path)
@@ -139,6 +140,9 @@ def _table(path: Path) -> tuple[list[str], list[_Row]]:
             line=1,
             accepted="BEGIN ..., column names, rows, [END]",
         )
+    if "INCH" in lines[0].cells[2:]:
+        begins = " ".join(lines[0].cells)
+        raise InputError(f"'{begins}'", file=path, line=lines[0].line, accepted="a table in MM")
     head = lines[1].cells
     for row in lines[2:-1]:
         if len(row.cells) != len(head):
