@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -160,6 +161,34 @@ def test_a_run_that_holds_a_target_twice(tmp_path, capsys):
     path.write_text("\n".join("2" + line[1:] if line[:2] == "3," else line for line in lines))
     text = " ".join(report(path, capsys)["notes"])
     assert "and so 4 readings more" in text and "run 3 is missing between" in text
+
+
+@pytest.mark.parametrize("run", ["1000000", "2000000000", "1e300", "99999999999999999999"])
+def test_a_number_that_no_run_has_is_refused(run, tmp_path):
+    path = tmp_path / "x.csv"
+    path.write_text(f"run,position_mm,approach,deviation_um\n1,0,1,1\n{run},100,1,2\n")
+    with pytest.raises(InputError, match=re.escape(f"run '{run}'")) as told:
+        read_error_table(path, MM_PER, "um")
+    assert told.value.line == 3
+    if run.isdigit():
+        path.write_text(f"position_mm,forward_{run},backward_{run}\n0,1,2\n100,3,4\n")
+        with pytest.raises(InputError, match=f"run {run}") as told:
+            read_error_table(path, MM_PER, "um")
+        assert told.value.line == 1
+
+
+def test_an_empty_table_is_told_with_the_columns_of_its_axis(tmp_path):
+    (tmp_path / "x.csv").write_text("")
+    with pytest.raises(InputError) as told:
+        read_error_table(tmp_path / "x.csv", MM_PER, "um")
+    assert "position_mm, forward" in str(told.value) and "{" not in str(told.value)
+
+
+def test_many_readings_have_a_hundred_outliers_at_most():
+    random = np.random.default_rng(7)
+    values = random.normal(0.0, 1e-3, 4000)
+    values[:150] += 1.0  # 150 of 4000 are below 5 %
+    assert len(outliers(one_target(values))) == 100
 
 
 def test_a_run_of_one_direction(tmp_path, capsys):

@@ -15,7 +15,7 @@ from vmach.importers.questions import Questions
 from vmach.importers.self_check import LaserReadings, check_laser
 from vmach.importers.source_file import SourceFile
 from vmach.machine.component_errors import component_of
-from vmach.machine.tables.run_numbers import NumberedReadings
+from vmach.machine.tables.run_numbers import LARGEST_RUN, NumberedReadings
 from vmach.machine.tables.runs import Runs
 
 __all__ = ["LASER_KEYS", "Readings", "approach_in_order", "kept_numbers", "table_imported"]
@@ -209,8 +209,9 @@ def kept_numbers(readings: Readings, names: Sequence[str]) -> tuple[Readings, tu
     names : sequence of str
         Cells of the column, (P,).
     """
-    if not all(re.fullmatch(r"\d{1,9}", name.strip()) for name in names):
-        return readings, ("the column of runs holds no whole numbers: runs are counted anew",)
+    if not all(re.fullmatch(r"\d{1,6}", name.strip()) for name in names):
+        told = f"the column of runs holds no whole numbers up to {LARGEST_RUN}"
+        return readings, (f"{told}: runs are counted anew",)
     run = np.array([int(name) for name in names], np.int64)
     place = np.unique(_targets(readings.position), return_inverse=True)[1]
     keys = np.column_stack([run, place, readings.approach])

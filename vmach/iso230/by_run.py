@@ -26,6 +26,8 @@ __all__ = ["Outlier", "RunFigures", "outliers", "run_figures"]
 _LEVEL = 0.01
 #: largest share of readings that can be outliers; chosen
 _MOST = 0.05
+#: and their largest number, as each is sought among all readings; chosen
+_MOST_TOLD = 100
 #: fewest readings of a target from one side that tell which of them is odd
 _FEWEST = 3
 #: an outlier is further away than so many steps of the display; chosen
@@ -138,7 +140,7 @@ def outliers(runs: Runs, *, level: float = _LEVEL, most: int | None = None) -> t
     level : float
         Probability of an error of the first kind, of the whole set.
     most : int or None
-        Largest number of outliers; a share of the readings without it.
+        Largest number of outliers; without it a share of the readings, 100 at most.
 
     Returns
     -------
@@ -148,7 +150,7 @@ def outliers(runs: Runs, *, level: float = _LEVEL, most: int | None = None) -> t
     from scipy.stats import t as student  # late: slow to import
 
     group, value, where = _readings(runs)
-    most = max(1, int(_MOST * len(value))) if most is None else most
+    most = max(1, min(int(_MOST * len(value)), _MOST_TOLD)) if most is None else most
     step = _STEPS * _display_step(value)
     left = np.ones(len(value), bool)
     taken: list[Outlier] = []

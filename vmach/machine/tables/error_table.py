@@ -29,7 +29,12 @@ import numpy as np
 from vmach.base.note import Kind, Note, in_file
 from vmach.errors import InputError
 from vmach.files.text_file import column_hint, csv_rows, decimal_number, read_text
-from vmach.machine.tables.run_numbers import NumberedReadings, doubled_notes, numbering_notes
+from vmach.machine.tables.run_numbers import (
+    LARGEST_RUN,
+    NumberedReadings,
+    doubled_notes,
+    numbering_notes,
+)
 from vmach.machine.tables.runs import Runs
 
 __all__ = [
@@ -128,7 +133,8 @@ def read_error_table(
         if any(cell.strip() for cell in cells) and not cells[0].lstrip().startswith("#")
     ]
     if not rows:
-        raise InputError("the table is empty", file=path, accepted=_ACCEPTED)
+        accepted = _ACCEPTED.format(next(iter(positions)))
+        raise InputError("the table is empty", file=path, accepted=accepted)
     header = _Header(path, rows[0][0], rows[0][1], units=units, unit=unit, positions=positions)
     values = np.array([_numbers(cells, header, path, line) for line, cells in rows[1:]])
     if len(values) == 0:
@@ -192,6 +198,11 @@ class _Header:
                 )  # fmt: skip
             self.scale[column] = units[own]
             number = int(found[2][1:]) if found[2] else _NO_NUMBER
+            if number > LARGEST_RUN:
+                raise InputError(
+                    f"column '{name}': run {number}", file=path, line=line,
+                    accepted=f"run {LARGEST_RUN} at most",
+                )  # fmt: skip
             if found[1] != "backward":
                 self.forward.append(column)
                 self.forward_number.append(number)
@@ -238,10 +249,11 @@ def _numbers(cells: list[str], header: _Header, path: Path, line: int) -> np.nda
     if header.approach is not None and numbers[header.approach] == 0:
         approach = cells[header.approach]
         raise InputError(f"approach {approach}", file=path, line=line, accepted="1 or -1")
-    if header.run is not None and not (numbers[header.run] >= 0 and numbers[header.run] % 1 == 0):
+    run = 0.0 if header.run is None else numbers[header.run]
+    if header.run is not None and not (0 <= run <= LARGEST_RUN and run % 1 == 0):
         raise InputError(
             f"run '{cells[header.run]}'", file=path, line=line,
-            accepted="the number of the run: 0, 1, 2, ...",
+            accepted=f"the number of the run: 0, 1, 2, ... {LARGEST_RUN}",
             hint="without a column run the n-th reading of a position from one side is of run n",
         )  # fmt: skip
     values = numbers * header.scale

@@ -12,8 +12,10 @@ import numpy as np
 
 from vmach.base.note import Kind, Note
 
-__all__ = ["NumberedReadings", "doubled_notes", "numbering_notes"]
+__all__ = ["LARGEST_RUN", "NumberedReadings", "doubled_notes", "numbering_notes"]
 
+#: largest number of a run that is read; chosen
+LARGEST_RUN = 999_999
 #: numbers that a message lists
 _LISTED = 12
 
