@@ -110,7 +110,7 @@ def test_linuxcnc_keys_of_a_joint_may_stand_in_any_order(tmp_path):
 @pytest.mark.parametrize(
     ("ini", "line", "message"),
     [
-        ("[JOINT_0]\nCOMP_FILE = x.comp\nCOMP_FILE_TYPE = one\n", 3, "COMP_FILE_TYPE = one"),
+        ("[JOINT_0]\nCOMP_FILE = x.comp\nCOMP_FILE_TYPE = one\n", 3, "COMP_FILE_TYPE is 'one'"),
         ("[JOINT_3]\nCOMP_FILE = x.comp\n", 1, "JOINT_3"),
         ("[TRAJ]\nLINEAR_UNITS = inch\n[JOINT_0]\nCOMP_FILE = x.comp\n", 2, "inch"),
     ],

@@ -652,7 +652,7 @@ def test_a_table_of_a_control_out_of_form_is_told_in_plain_words(value, tmp_path
     path = sample.write(tmp_path, f"[JOINT_0]\nCOMP_FILE = x.comp\nCOMP_FILE_TYPE = {value}\n")
     run = command(path, "--yes")
     assert isinstance(run.exception, InputError)
-    assert f"'{value}' stands where a number was expected" in str(run.exception)
+    assert f"joints.ini:3: COMP_FILE_TYPE is '{value}'" in str(run.exception)
 
 
 def test_lines_to_paste_are_printed_where_no_file_is_named(tmp_path, monkeypatch):

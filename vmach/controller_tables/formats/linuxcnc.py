@@ -119,7 +119,7 @@ def read_linuxcnc(folder: Path) -> ScrewCompensation:
             section[key] = value
             if key == "COMP_FILE_TYPE" and not re.fullmatch(r"\d+", value):
                 raise InputError(
-                    f"COMP_FILE_TYPE = {value}", file=path, line=number, accepted="0 or 1"
+                    f"COMP_FILE_TYPE is '{value}'", file=path, line=number, accepted="0 or 1"
                 )
     return ScrewCompensation(
         {
