@@ -115,3 +115,9 @@ def test_a_drawing_is_asked_of_jobs_that_have_one(tmp_path):
         InputError, match=r"study.toml:5: .*drawing = 'yes'; accepted: true or false"
     ):
         read_study(tmp_path / "study.toml")
+    (tmp_path / "drawn.csv").write_text("drawing\ntrue\n")
+    (tmp_path / "study.toml").write_text('schema = 1\ntable = "drawn.csv"\ncases.job = "job.toml"')
+    with pytest.raises(
+        InputError, match=r"drawing = 'true'; .* in .cases.: a cell of a table is text"
+    ):
+        read_study(tmp_path / "study.toml")

@@ -136,7 +136,8 @@ def _check_values(
             raise fail(name, f"cases have no value '{name}'", ", ".join(_NAMES))
     for value in values.get("drawing", ()):
         if not isinstance(value, bool):
-            raise fail("drawing", f"drawing = {value!r}", "true or false")
+            accepted = "true or false, without quotes, in [cases]: a cell of a table is text"
+            raise fail("drawing", f"drawing = {value!r}", accepted)
     for name in ("job", "points"):
         if name not in values and (name == "job" or set(values.get("drawing", ())) != {True}):
             raise fail(name, f"the cases have no '{name}'", "the name of a file")
