@@ -39,6 +39,19 @@ def test_repeated_points_are_kept_and_said(tmp_path):
     assert any("more than once" in str(note) for note in points.notes)
 
 
+@pytest.mark.parametrize(
+    ("ids", "said"),
+    [
+        ("1 2 1", "id '1' occurs more than once"),
+        ("1 1 2 2 3 3", "id '1' occurs more than once, and so 2 more"),
+    ],
+)
+def test_ids_that_stand_twice_are_said(ids, said, tmp_path):
+    rows = (f"{name},top,{k},20,-5,0,0,1\n" for k, name in enumerate(ids.split()))
+    points = read_points_csv(written(tmp_path, "id,feature,x,y,z,i,j,k\n" + "".join(rows)))
+    assert [str(note) for note in points.notes] == [said]
+
+
 def test_measured_points_in_metres_are_said(tmp_path):
     rows = [f"{n},f,{n * 10},0,0,0,0,1,{n / 100},0,0,1\n" for n in range(5)]
     points = read_points_csv(written(tmp_path, HEAD + "".join(rows)))

@@ -308,7 +308,9 @@ def _with_notes(points: SurfacePoints, unknown: list[str]) -> SurfacePoints:
     ]
     repeated = [name for name, times in Counter(points.id.tolist()).items() if times > 1]
     if repeated:
-        said = f"{len(repeated)} ids occur more than once, the first is {repeated[0]!r}"
+        said = f"id {repeated[0]!r} occurs more than once"
+        if len(repeated) > 1:
+            said += f", and so {len(repeated) - 1} more"
         notes.append(Note.plain(Kind.NAME, said, len(repeated), "1", place=repeated[0]))
     distinct, _, _ = unique_rows(np.hstack([points.point_mm, points.normal]))
     if again := len(points) - len(distinct):
