@@ -46,9 +46,8 @@ _SMALLEST_FACTOR_MM = 1e-3
 _CEC_HEAD = """%_N_NC_CEC_INI
 CHANDATA(1)
 ; sag and angularity compensation; entries in mm: {entries}
-; holds: an axis moved by the position of one axis (pitch, straightness, squareness), reversal,
-; and products of two positions (angles at one tool length, tables with MULT_BY_TABLE)
-; does not hold: other tool lengths, the tilt of the tool
+; holds: an axis moved by the position of one axis (pitch, straightness, squareness), reversal{more}
+; does not hold: {lacks}
 ; MD18342 $MN_MM_CEC_MAX_POINTS[t] >= entries of each table; MD10260/MD32711: metric
 ; check the sign with one table and one move before use
 """
@@ -91,7 +90,14 @@ def write_cec(
     """
     made = _cec_tables(tables, knots, sign=1.0 if entries == "correction" else -1.0)
     meaning = {"correction": "correction added to the setpoint", "error": "error, subtracted"}
-    lines = [_CEC_HEAD.format(entries=meaning[entries])]
+    more, lacks = "", "angles beyond their mean, other tool lengths, the tilt of the tool"
+    if any(table.times is not None for table in made):
+        more = (
+            ",\n; and products of two positions (angles at one tool length, "
+            "tables with MULT_BY_TABLE)"
+        )
+        lacks = "other tool lengths, the tilt of the tool"
+    lines = [_CEC_HEAD.format(entries=meaning[entries], more=more, lacks=lacks)]
     for index, table in enumerate(made):
         lines += [f"$AN_CEC[{index},{k}]={v:.{DIGITS}f}\n" for k, v in enumerate(table.value_mm)]
         times = 0 if table.times is None else made.index(table.times) + 1
