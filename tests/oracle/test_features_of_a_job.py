@@ -119,6 +119,8 @@ REFUSED = [
     (STEP + '[tolerances]\nstep = "distance 0 ±0.1 to step"',
      r"job.toml:\d+: tolerance 'distance 0 ±0.1 to step' of 'step' is a distance to itself; "
      r"accepted: .*hint: the size"),
+    ('[tolerances]\nbore = "12 ±0.1 to floor"',
+     r"job.toml:\d+: tolerance '12 ±0.1 to floor': a size .*accepted: .*'distance 40"),
     (STEP + '[tolerances]\nstep = "distance 0 ±0.1 to floor"',
      r"job.toml:\d+: .* is a distance to 'floor', which has the same faces; accepted: the name"),
     ('[datums]\nC = "floor"\n[tolerances]\n"wall +X" = "perpendicularity 0.1 C-C"',

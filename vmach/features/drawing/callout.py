@@ -178,6 +178,11 @@ def _read_size(text: str, found: re.Match) -> Callout:
     is_distance = found["what"] == "distance"
     if is_distance and not found["to"]:
         raise InputError(f"tolerance {text!r}", accepted="'distance 25 ±0.1 to NAME'")
+    if found["to"] and not is_distance:
+        raise InputError(
+            f"tolerance {text!r}: a size of one feature goes to no other",
+            accepted="'40 ±0.02', or 'distance 40 ±0.02 to NAME'",
+        )
     return Callout(
         text=text.strip(),
         characteristic="distance" if is_distance else "size",
