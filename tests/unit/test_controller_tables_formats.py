@@ -241,11 +241,18 @@ def test_encoder_table_that_cannot_be_placed_is_refused(tmp_path, old, new, line
     assert told.value.line == line
 
 
-def test_cec_of_a_direction_that_no_control_has_is_refused(tmp_path):
-    (tmp_path / "NC_CEC.INI").write_text(CEC.replace("DIRECTION[0]=1", "DIRECTION[0]=2"))
-    with pytest.raises(InputError, match="DIRECTION is 2") as told:
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("DIRECTION[0]=1", "DIRECTION[0]=2", "DIRECTION is 2"),
+        ("OUTPUT_AXIS[0]=(", "OUTPUT_AXIS[0]=(A", "OUTPUT_AXIS is .*begins with X, Y or Z"),
+    ],
+)
+def test_cec_of_a_direction_or_an_axis_that_is_not_read_is_refused(tmp_path, old, new, message):
+    (tmp_path / "NC_CEC.INI").write_text(CEC.replace(old, new))
+    with pytest.raises(InputError, match=message) as told:
         read_cec(tmp_path)
-    assert told.value.line == 11
+    assert new in CEC.replace(old, new).splitlines()[told.value.line - 1]
 
 
 # --- HEIDENHAIN ----------------------------------------------------------------------------
@@ -273,6 +280,15 @@ def test_heidenhain_table_in_inches_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"YERR\.COM INCH") as told:
         read_heidenhain(folder)
     assert (told.value.file.name, told.value.line) == ("YERR.COM", 1)
+
+
+def test_heidenhain_backlash_without_the_errors_of_its_axis_is_refused(tmp_path):
+    alone = COM.replace(" Y ", " X ", 1)
+    assert alone != COM
+    folder = heidenhain_files(tmp_path, alone)
+    with pytest.raises(InputError, match="BACKLASH without a column Y") as told:
+        read_heidenhain(folder)
+    assert (told.value.file.name, told.value.line) == ("YERR.COM", 2)
 
 
 def test_heidenhain_y_and_z_follow_y(tmp_path):

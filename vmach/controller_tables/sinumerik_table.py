@@ -26,6 +26,7 @@ DIGITS = 6
 _LARGEST = 1e6
 #: values of settings that are read; modulo tables belong to rotary axes
 _ACCEPTED = {"DIRECTION": ("0", "1", "-1"), "IS_MODULO": ("0",)}
+_AXIS_NAME = re.compile(r"\(?[XYZ]\w*\)?")
 
 
 @dataclass
@@ -83,8 +84,8 @@ def read_tables(path: Path, pattern: re.Pattern) -> dict[str, SinumerikTable]:
     Raises
     ------
     InputError
-        A line of another kind, no number, an entry twice, a modulo table, or entries that MIN, MAX
-        and STEP do not place.
+        A line of another kind, no number, an entry twice, a modulo table, another axis than X, Y
+        and Z, or entries that MIN, MAX and STEP do not place.
     """
     tables: dict[str, SinumerikTable] = {}
     for number, line in enumerate(read_text(path, what="compensation file").splitlines(), 1):
@@ -112,6 +113,11 @@ def read_tables(path: Path, pattern: re.Pattern) -> dict[str, SinumerikTable]:
                 raise InputError(
                     f"{name} is {value}", file=path, line=number,
                     accepted=" or ".join(_ACCEPTED[name]),
+                )  # fmt: skip
+            if name in ("INPUT_AXIS", "OUTPUT_AXIS") and not _AXIS_NAME.fullmatch(value):
+                raise InputError(
+                    f"{name} is {value}", file=path, line=number,
+                    accepted="an axis whose name begins with X, Y or Z, as (X1)",
                 )  # fmt: skip
             table.settings[name] = value
     _check(tables, path)

@@ -105,7 +105,7 @@ def read_heidenhain(folder: Path) -> AxisErrorCompensation:
     ------
     InputError
         A row that does not fit its head, a table in inches, no active line, positions that do not
-        increase.
+        increase, BACKLASH without the errors of the own axis.
     """
     path = folder / "CONFIG.CMA"
     head, rows = _table(path)
@@ -116,9 +116,18 @@ def read_heidenhain(folder: Path) -> AxisErrorCompensation:
             f"{len(active)} active lines", file=path, line=line, accepted="one line with *"
         )
     names = {axis: active[0].cells[head.index(axis)] for axis in _AXES if axis in head}
-    return AxisErrorCompensation(
-        {_AXES.index(axis): _com(folder / name) for axis, name in names.items() if name != "-"}
-    )
+    tables = {}
+    for axis, name in names.items():
+        if name == "-":
+            continue
+        columns = tables[_AXES.index(axis)] = _com(folder / name)
+        if "BACKLASH" in columns and axis not in columns:
+            raise InputError(
+                f"BACKLASH without a column {axis}", file=folder / name, line=2,
+                accepted=f"both: {axis} is the error of this axis in positive direction, BACKLASH "
+                "in negative direction",
+            )  # fmt: skip
+    return AxisErrorCompensation(tables)
 
 
 @dataclass(frozen=True)
