@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import re
@@ -14,12 +15,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 from typer.testing import CliRunner
 
 from tests.small_job import write_job
 from vmach.cli import app
 from vmach.errors import InputError
 from vmach.run.pipeline import predict_points
+from vmach.study.printing import print_performance
 from vmach.study.run_study import Shard, merge_study, run_study
 from vmach.study.study import read_study
 from vmach.uncertainty.first_order import prediction_u_mm
@@ -394,3 +397,17 @@ def test_a_module_that_cannot_be_loaded_is_told_with_the_line_that_names_it(tmp_
     next(tmp_path.glob("study_functions_*.py")).write_text(text)
     with pytest.raises(InputError, match=r"study\.toml:3: function = 'study_fun.*\.py:2|line 2"):
         read_study(path)
+
+
+def test_what_every_case_has_alike_is_no_column_of_the_performance():
+    row = {
+        "feature": "bore", "callout": "35 H7", "draws": 1000, "Pp": 1.5, "Ppk": None,
+        "quantiles_mm": [35.0, 35.01, 35.02],
+    }  # fmt: skip
+    rows = [row | {"case": {"job": "/far/job.toml", "model": m}} for m in ("abbe", "htm")]
+    for some, columns in ((rows, ["model", "feature"]), (rows[:1], ["feature"])):
+        told = io.StringIO()
+        print_performance(Console(file=told, width=120), some)
+        heading = next(line for line in told.getvalue().splitlines() if "feature" in line)
+        assert [cell.strip() for cell in heading.strip("┃").split("┃")][: len(columns)] == columns
+        assert "job.toml" not in told.getvalue()

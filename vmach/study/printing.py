@@ -12,24 +12,24 @@ from vmach.study.capability import FEWEST_DRAWS
 
 __all__ = ["print_performance"]
 
-#: what every case of a study has alike says nothing in a table
-_FILES = ("points", "drawing")
-
 
 def print_performance(console: Console, rows: Sequence[Mapping[str, Any]]) -> None:
     """Print Pp and Ppk of the drawn parts; nothing without rows."""
     if not rows:
         return
+    # what every case has alike says nothing in a table
+    first = rows[0]["case"]
+    varied = [key for key in first if any(row["case"].get(key) != first[key] for row in rows)]
     table = Table(title="performance of the drawn parts, ISO 22514-2")
-    for heading in ("case", "feature", "drawing"):
+    for heading in (*varied, "feature", "drawing"):
         table.add_column(heading)
     for heading in ("draws", "50 %, mm", "Pp", "Ppk"):
         table.add_column(heading, justify="right")
     for row in rows:
-        case = ", ".join(str(v) for k, v in row["case"].items() if k not in _FILES)
+        case = [str(row["case"].get(key, "-")) for key in varied]
         figures = ["-" if row[key] is None else f"{row[key]:.2f}" for key in ("Pp", "Ppk")]
         middle = f"{row['quantiles_mm'][1]:.4f}"
-        table.add_row(case, row["feature"], row["callout"], str(row["draws"]), middle, *figures)
+        table.add_row(*case, row["feature"], row["callout"], str(row["draws"]), middle, *figures)
     console.print(table)
     if all(row["draws"] < FEWEST_DRAWS for row in rows):
         text = f"Pp and Ppk need {FEWEST_DRAWS} draws: draws = {FEWEST_DRAWS} in the study"
