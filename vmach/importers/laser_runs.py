@@ -209,7 +209,7 @@ def kept_numbers(readings: Readings, names: Sequence[str]) -> tuple[Readings, tu
     names : sequence of str
         Cells of the column, (P,).
     """
-    if not all(re.fullmatch(r"\d{1,6}", name.strip()) for name in names):
+    if not all(re.fullmatch(r"\d{1,9}", n.strip()) and int(n) <= LARGEST_RUN for n in names):
         told = f"the column of runs holds no whole numbers up to {LARGEST_RUN}"
         return readings, (f"{told}: runs are counted anew",)
     run = np.array([int(name) for name in names], np.int64)

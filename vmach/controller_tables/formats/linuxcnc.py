@@ -100,9 +100,8 @@ def read_linuxcnc(folder: Path) -> ScrewCompensation:
     Raises
     ------
     InputError
-        Entries that do not increase, more than 256, or none; a line that begins with a
-        number and is no entry;
-        a joint above 2; a machine unit that is not mm.
+        Entries that do not increase, more than 256, or none; a line that begins with a number and
+        is no entry; a joint above 2; a machine unit that is not mm.
     """
     path = folder / "joints.ini"
     sections: dict[int, dict[str, str]] = {}

@@ -20,7 +20,10 @@ from vmach.measurements.measurement import Measurement
 
 __all__ = [
     "BETTER",
+    "CLEAR_U",
+    "CLOSE_U",
     "FAR_BETTER",
+    "FEWEST_LEFT",
     "WITHIN_U",
     "Alternative",
     "Mistake",
@@ -30,12 +33,12 @@ __all__ = [
 ]
 
 #: readings further away than so many standard uncertainties are worth a question
-_CLEAR_U = 2.0
+CLEAR_U = 2.0
 #: readings that agree so many times better the other way round are suspicious
 BETTER = 2.0
 #: where they do not come as close as so many standard uncertainties, so many times better: an
 #: effect may have brought them there
-_CLOSE_U, FAR_BETTER = 4.0, 5.0
+CLOSE_U, FAR_BETTER = 4.0, 5.0
 #: and so many times better once displacements that grow in proportion with the place are taken
 #: off: a scale or a squareness may bring readings of one axis near the tables of another
 _BETTER_BENT = 2.0
@@ -46,7 +49,7 @@ WITHIN_U, _BETTER_THAN_BENT = 1.25, 1.2
 #: so many times the nearest is as near: some mistakes do the same to all readings, up to rounding
 _ALIKE = 1.001
 #: readings beyond the number of what is free, below which nothing can be said
-_FEWEST_LEFT = 12
+FEWEST_LEFT = 12
 
 
 @dataclass(frozen=True)
@@ -86,10 +89,10 @@ def other_sign(test: Measurement) -> Alternative:
 
 def is_doubtful(test: Measurement) -> bool:
     """Whether readings are further from the model than their uncertainty says."""
-    if test.degrees < _FEWEST_LEFT:
+    if test.degrees < FEWEST_LEFT:
         return False
     apart = test.variation_mm(test.measured_mm - test.predicted_mm)
-    return apart >= _CLEAR_U * float(np.median(test.u_mm))
+    return apart >= CLEAR_U * float(np.median(test.u_mm))
 
 
 def alternative_notes(test: Measurement, others: Iterable[Alternative]) -> tuple[Note, ...]:
@@ -130,7 +133,7 @@ def alternative_notes(test: Measurement, others: Iterable[Alternative]) -> tuple
 def _is_far_better(here: tuple[float, float], there: tuple[float, float], u_mm: float) -> bool:
     """Whether readings are far closer there, also once what is even is taken off of both."""
     (plain, bent), (apart, apart_bent) = here, there
-    is_close = apart <= _CLOSE_U * u_mm or plain >= FAR_BETTER * apart
+    is_close = apart <= CLOSE_U * u_mm or plain >= FAR_BETTER * apart
     return is_close and plain >= BETTER * apart and bent >= _BETTER_BENT * apart_bent
 
 

@@ -20,15 +20,16 @@ from scipy.linalg import block_diag
 from vmach.base.note import Kind, Note
 from vmach.base.units import um_from_mm, urad_from_rad
 from vmach.measurements.measurement import Measurement
-from vmach.measurements.plausibility.alternatives import BETTER, FAR_BETTER
+from vmach.measurements.plausibility.alternatives import (
+    BETTER,
+    CLEAR_U,
+    CLOSE_U,
+    FAR_BETTER,
+    FEWEST_LEFT,
+)
 
 __all__ = ["DiagonalPair"]
 
-#: readings further from the model than so many standard uncertainties are worth a question, and
-#: exchanged ones have to come as close as so many, or far closer; as for single tests
-_CLEAR_U, _CLOSE_U = 2.0, 4.0
-#: readings beyond the number of what is free, below which nothing can be said
-_FEWEST_LEFT = 12
 #: squareness of the plane of two axes, and the sign with which it makes a line longer that rises
 #: along both: dx = -EC0Y y, dz = -EB0X x, dz = +EA0Y y
 _PLANES = {"EC0Y": ((0, 1), -1.0), "EB0X": ((0, 2), -1.0), "EA0Y": ((1, 2), 1.0)}
@@ -62,9 +63,9 @@ class DiagonalPair:
         """Whether the model explains the readings far better under each other's names."""
         plain, apart = self.apart_mm
         u_mm = float(np.median(np.concatenate([test.u_mm for test in self.named])))
-        if sum(test.degrees for test in self.named) < _FEWEST_LEFT or plain < _CLEAR_U * u_mm:
+        if sum(test.degrees for test in self.named) < FEWEST_LEFT or plain < CLEAR_U * u_mm:
             return False
-        is_close = apart <= _CLOSE_U * u_mm or plain >= FAR_BETTER * apart
+        is_close = apart <= CLOSE_U * u_mm or plain >= FAR_BETTER * apart
         return is_close and plain >= BETTER * apart
 
     def note(self) -> Note:
