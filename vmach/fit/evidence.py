@@ -69,7 +69,7 @@ def _factors(gram: np.ndarray, inner: np.ndarray) -> tuple[np.ndarray, np.ndarra
     if gram.shape[1] == 1:
         squared, projected = gram[:, 0], inner
     else:
-        squared, vectors = np.linalg.eigh(gram)
+        squared, vectors = _axes_of_two(gram) if gram.shape[1] == 2 else np.linalg.eigh(gram)
         projected = np.matmul(vectors.transpose(0, 2, 1), inner)
     squared = np.maximum(squared, 0.0)
     z_squared = projected**2 / np.maximum(squared, _TINY)[:, :, None]
@@ -79,6 +79,20 @@ def _factors(gram: np.ndarray, inner: np.ndarray) -> tuple[np.ndarray, np.ndarra
         gain = np.einsum("gk,gks->gs", ratio / (1.0 + ratio), z_squared)
         factors.append(0.5 * (gain - np.log1p(ratio).sum(axis=1)[:, None]))
     return squared, np.array(factors)
+
+
+def _axes_of_two(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues (P, 2) and eigenvectors in columns (P, 2, 2) of P symmetric matrices (P, 2, 2).
+
+    Source: the rotation of C. Jacobi, J. reine angew. Math. 30 (1846) 51, one step of which is
+    exact for two.
+    """
+    first, shared, second = gram[:, 0, 0], gram[:, 0, 1], gram[:, 1, 1]
+    mean, half = 0.5 * (first + second), 0.5 * (first - second)
+    apart, angle = np.hypot(half, shared), 0.5 * np.arctan2(shared, half)
+    cosine, sine = np.cos(angle), np.sin(angle)
+    axes = np.stack([np.stack([-sine, cosine]), np.stack([cosine, sine])])
+    return np.stack([mean - apart, mean + apart], axis=1), axes.transpose(2, 1, 0)
 
 
 def _log_of_sum(logarithms: np.ndarray, starts: np.ndarray) -> np.ndarray:
