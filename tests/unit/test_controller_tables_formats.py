@@ -63,12 +63,35 @@ def test_linuxcnc_reads_no_further_than_a_comment(tmp_path):
     rows = "0 0 0\n100 0.001 0.001\n# the end\n200 9 9\n"
     read = read_linuxcnc(linuxcnc_files(tmp_path, rows, 1))
     assert correction_um(read, [200, 0, 0]) == pytest.approx([1, 0, 0])
+    (told,) = read.unread
+    assert told.startswith("x.comp:4: 1 entry below line 3 left out: LinuxCNC stops reading")
+
+
+def test_linuxcnc_files_that_are_read_to_their_end_leave_nothing_out(tmp_path):
+    rows = "0 0 0\n100 0.001 0.001\n\n# of 3 points 100 mm apart\n1 is X\n"
+    assert read_linuxcnc(linuxcnc_files(tmp_path, rows, 1)).unread == ()
+
+
+@pytest.mark.parametrize(
+    ("rows", "file_type", "line"),
+    [
+        ("0 0 0\n100 100.010 99.996\n", 1, 2),  # actual positions, told as trims
+        ("0 0 0\n5 0.001 0\n200 0.001 0.002\n", 0, 3),  # trims, told as actual positions
+    ],
+)
+def test_linuxcnc_entries_of_the_other_type_are_told_with_their_line(
+    rows, file_type, line, tmp_path
+):
+    with pytest.raises(InputError, match=f"COMP_FILE_TYPE = {file_type}") as told:
+        read_linuxcnc(linuxcnc_files(tmp_path, rows, file_type))
+    assert (told.value.file.name, told.value.line) == ("x.comp", line)
+    assert f"type {1 - file_type} is: nominal" in str(told.value)
 
 
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
-        ("# head\n0 0 0\n", "0 entries"),
+        ("# head\n0 0 0\n", "0 entries.*hint: LinuxCNC stops reading"),
         ("0 0 0\n0 1 1\n", "does not increase"),
         ("".join(f"{k} 0 0\n" for k in range(257)), "257 entries"),
     ],
@@ -111,6 +134,7 @@ def test_linuxcnc_keys_of_a_joint_may_stand_in_any_order(tmp_path):
     ("ini", "line", "message"),
     [
         ("[JOINT_0]\nCOMP_FILE = x.comp\nCOMP_FILE_TYPE = one\n", 3, "COMP_FILE_TYPE is 'one'"),
+        ("[JOINT_0]\nCOMP_FILE_TYPE = 2\nCOMP_FILE = x.comp\n", 2, "COMP_FILE_TYPE is '2'"),
         ("[JOINT_3]\nCOMP_FILE = x.comp\n", 1, "JOINT_3"),
         ("[TRAJ]\nLINEAR_UNITS = inch\n[JOINT_0]\nCOMP_FILE = x.comp\n", 2, "inch"),
     ],

@@ -803,7 +803,7 @@ def test_a_square_by_callipers_is_as_sure_as_the_page_says(tmp_path, monkeypatch
     page = (Path(__file__).parents[2] / "docs" / "how-to" / "signs-and-zeros.md").read_text()
     run = command("--square", "XY 424.18 424.35 300", "--yes")
     said = run.output.partition("\n\n")[0]
-    assert said.count("--square") == 2 and said in page
+    assert said.count("--square") == 3 and said in page
     finer = command("--square", "XY 424.18 424.35 300", "--yes", "--set", "u_mm=0.005")
     assert "standard uncertainty 17 urad" in finer.output
     lengths, step_mm = (250.0, 250.1, 200.0), 1e-3
@@ -813,6 +813,27 @@ def test_a_square_by_callipers_is_as_sure_as_the_page_says(tmp_path, monkeypatch
         for k in range(2)
     ]  # fmt: skip
     assert skew_u(*lengths, u_mm=0.02) == pytest.approx(0.02 * np.hypot(*slopes), rel=1e-3)
+
+
+def test_what_exchanged_diagonals_of_a_square_would_make_is_said():
+    """A parallelogram of 300 mm and 200 mm that encloses 90 degrees less 2 mrad, and its mirror."""
+    ac, bd = (np.hypot(300 + side * 200 * np.sin(2e-3), 200 * np.cos(2e-3)) for side in (1, -1))
+    for first, second, is_, would_be in ((ac, bd, "less", "more"), (bd, ac, "more", "less")):
+        said = command("--square", f"ZX {first} {second} 300", "--yes").output
+        assert f"+Z and +X enclose {is_} than 90 degrees by 2000 um/m" in said
+        assert "is taken to go up along both Z and X; with AC and BD exchanged the angle is" in said
+        assert f"exchanged the angle is {would_be} than 90 degrees by as much" in said
+
+
+def test_imported_tables_hold_no_negative_zero(tmp_path, monkeypatch):
+    """Entries of zero, whose correction is minus zero, and a place of minus zero."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "x.comp").write_text("-100 0 0.001\n-0 0 -0.002\n")
+    (tmp_path / "joints.ini").write_text("[JOINT_0]\nCOMP_FILE = x.comp\nCOMP_FILE_TYPE = 1\n")
+    run = command("joints.ini", "--yes")
+    assert run.exit_code == 0, run.exception
+    rows = (tmp_path / "errors" / "EXX.csv").read_text().splitlines()
+    assert rows[1:] == ["-100,0,-1", "0,0,2"]
 
 
 def test_a_square_that_leans_too_much_is_asked_about():

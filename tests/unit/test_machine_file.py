@@ -128,6 +128,8 @@ def test_complaints_name_file_line_and_what_is_accepted(write, old, new, line, p
         ("position_mm,forward,forward,backward\n0,1,1,2\n", 1, ["header"]),
         ("position_mm,forward\n0,1\n1,2\n", 1, ["header"]),
         ("run,position_mm,approach,deviation\n1,0,0,1\n", 2, ["approach 0", "1 or -1"]),
+        ("run,position_mm,approach,deviation\n1,0,1,1\n1,9,2,1\n", 3, ["approach 2", "1 or -1"]),
+        ("run,position_mm,approach,deviation\n1,0,-0.5,1\n", 2, ["approach -0.5", "1 or -1"]),
         ("", None, ["empty"]),
         ("position_mm,forward,backward\n", 1, ["no rows"]),
     ],

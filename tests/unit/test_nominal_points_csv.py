@@ -42,8 +42,8 @@ def test_repeated_points_are_kept_and_said(tmp_path):
 @pytest.mark.parametrize(
     ("ids", "said"),
     [
-        ("1 2 1", "id '1' occurs more than once"),
-        ("1 1 2 2 3 3", "id '1' occurs more than once, and so 2 more"),
+        ("1 2 1", "points.csv:4: id '1' occurs more than once"),
+        ("1 1 2 2 3 3", "points.csv:3: id '1' occurs more than once, and so 2 more"),
     ],
 )
 def test_ids_that_stand_twice_are_said(ids, said, tmp_path):

@@ -55,11 +55,14 @@ class HeldErrors:
     order : str
         Axes from the workpiece to the tool, all on the tool's side; empty where the tables hold
         for any chain, because they have no angles.
+    told : tuple of str
+        What the files hold that the control does not use.
     """
 
     tables: dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]]
     squareness_rad: dict[str, float] = field(default_factory=dict)
     order: str = ""
+    told: tuple[str, ...] = ()
 
 
 def error_name(output_axis: int, input_axis: int) -> str:

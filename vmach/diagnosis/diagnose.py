@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_limits
 from vmach.base.note import Kind, Level, Note
 from vmach.diagnosis.alike_waves import alike_waves
 from vmach.diagnosis.candidate_scores import CandidateScore, candidate_scores
+from vmach.diagnosis.doubtful_uncertainty import TOO_LOUD, doubtful_uncertainty
 from vmach.diagnosis.findings import Finding, findings_of, something_unknown
 from vmach.diagnosis.inference.prepare import prepare_weighing
 from vmach.diagnosis.inference.remains import is_structure, rms_um
@@ -29,8 +30,6 @@ from vmach.fit.survey import Survey
 
 __all__ = ["Diagnosis", "diagnose", "not_followed"]
 
-#: scatter in stated uncertainties outside which u_um is doubtful
-_TOO_QUIET, _TOO_LOUD = 1.0 / 3.0, 1.5
 #: weight of a reading that counts for little
 _LITTLE = 0.1
 
@@ -141,7 +140,7 @@ def diagnose(
         next_measurement=next_measurement(weighing, explanation, findings, found.proposals),
         notes=(
             *_of_survey(found),
-            *_doubtful_uncertainty(found),
+            *doubtful_uncertainty(found),
             *_outliers(found),
             *_device(notable, survey),
             *like_drift(found),
@@ -164,29 +163,11 @@ def _verdict(found: Inference, findings: Sequence[Finding]) -> str:
 
 def _of_survey(found: Inference) -> Iterator[Note]:
     """Notes on the readings; what scattered too much for its uncertainty may be explained now."""
-    is_settled = found.told.posterior.sizes.factor <= _TOO_LOUD
+    is_settled = found.told.posterior.sizes.factor <= TOO_LOUD
     for note in found.weighing.survey.notes:
         is_doubt = note.kind is Kind.UNCERTAINTY and note.level is Level.QUESTION
         if not (is_doubt and is_settled):
             yield note
-
-
-def _doubtful_uncertainty(found: Inference) -> tuple[Note, ...]:
-    """A note where the rest scatters far less or more than the readings' uncertainty says."""
-    factor = found.told.posterior.sizes.factor
-    if factor < _TOO_QUIET:
-        said = (
-            f"what is left scatters {1.0 / factor:.3g} times less than u_um says: is u_um "
-            "too large? Effects may then stay unseen, and intervals are too wide"
-        )
-        return (Note.question(Kind.SCATTER, said, float(factor), "1", place="u_um"),)
-    if factor > _TOO_LOUD:
-        said = (
-            f"readings scatter {factor:.3g} times more than u_um says: the scatter that they "
-            "show is what counted"
-        )
-        return (Note.plain(Kind.SCATTER, said, float(factor), "1", place="u_um"),)
-    return ()
 
 
 def _device(notable_um: Mapping[str, float], survey: Survey) -> Iterator[Note]:

@@ -69,8 +69,9 @@ def runs_text(runs: Runs, name: str) -> str:
     }
     lines = [",".join(["position_mm", *columns])]
     for place, *values in zip(runs.position_mm, *columns.values(), strict=True):
-        cells = ["" if np.isnan(v) else f"{v:.{_VALUE_DIGITS}g}" for v in values]
-        lines.append(",".join([f"{place:.{_POSITION_DIGITS}f}".rstrip("0").rstrip("."), *cells]))
+        cells = ["" if np.isnan(v) else f"{v + 0.0:.{_VALUE_DIGITS}g}" for v in values]
+        at = f"{round(place, _POSITION_DIGITS) + 0.0:.{_POSITION_DIGITS}f}"  # 0.0: no -0
+        lines.append(",".join([at.rstrip("0").rstrip("."), *cells]))
     return "\n".join(lines) + "\n"
 
 

@@ -131,7 +131,12 @@ def square_sections(
         {"angle": "less" if size_urad > 0 else "more"}, machine_file=told.machine_file
     )
     found = squareness_sections(plane, round(abs(size_urad), 1), leans, what="--square")
-    return replace(found, told=(*found.told, *_how_sure(lengths_mm, size_urad, told)))
+    other = "more" if size_urad > 0 else "less"
+    exchanged = (
+        f"--square: AC = {lengths_mm[0]:g} mm is taken to go up along both {plane[0]} and "
+        f"{plane[1]}; with AC and BD exchanged the angle is {other} than 90 degrees by as much"
+    )
+    return replace(found, told=(*found.told, exchanged, *_how_sure(lengths_mm, size_urad, told)))
 
 
 def _how_sure(

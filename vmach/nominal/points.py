@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vmach.base.note import Kind, Note
+from vmach.base.note import Kind, Note, in_file
 from vmach.base.units import mm_from_um
 from vmach.errors import InputError
 from vmach.files.text_file import (
@@ -175,7 +175,8 @@ def read_points_csv(path: str | Path) -> SurfacePoints:
         ),
         line=lines,
     )
-    return _with_notes(points, [n for n in columns if n not in _KNOWN])
+    notes = in_file(_notes_on(points, [n for n in columns if n not in _KNOWN]), path)
+    return replace(points, notes=notes)
 
 
 def _read_uncertainty(table: _Table) -> np.ndarray | None:
@@ -302,7 +303,9 @@ class _Table:
         return values
 
 
-def _with_notes(points: SurfacePoints, unknown: list[str]) -> SurfacePoints:
+def _notes_on(points: SurfacePoints, unknown: list[str]) -> list[Note]:
+    """What is odd about the points of a file, and its columns without use."""
+    assert points.line is not None
     notes = [
         Note.plain(Kind.COLUMN, f"column {name!r} is not used", place=name) for name in unknown
     ]
@@ -311,14 +314,16 @@ def _with_notes(points: SurfacePoints, unknown: list[str]) -> SurfacePoints:
         said = f"id {repeated[0]!r} occurs more than once"
         if len(repeated) > 1:
             said += f", and so {len(repeated) - 1} more"
-        notes.append(Note.plain(Kind.NAME, said, len(repeated), "1", place=repeated[0]))
+        again_at = int(points.line[np.flatnonzero(points.id == repeated[0])[1]])
+        size = len(repeated)
+        notes.append(Note.plain(Kind.NAME, said, size, "1", place=repeated[0], line=again_at))
     distinct, _, _ = unique_rows(np.hstack([points.point_mm, points.normal]))
     if again := len(points) - len(distinct):
         said = f"{again} points repeat an earlier point; all are kept"
         notes.append(Note.plain(Kind.REPEAT, said, again, "1"))
     if points.measured_mm is not None:
         notes.extend(_notes_on_units(points))
-    return replace(points, notes=tuple(notes))
+    return notes
 
 
 def _notes_on_units(points: SurfacePoints) -> list[Note]:

@@ -15,7 +15,7 @@ Source: LinuxCNC's "INI Configuration", [JOINT_n] COMP_FILE and COMP_FILE_TYPE, 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -34,6 +34,8 @@ __all__ = ["FORMATS", "MOST_ENTRIES", "ScrewCompensation", "read_linuxcnc", "wri
 MOST_ENTRIES = 256
 _AXES = "XYZ"
 _MILLIMETRES = ("mm", "metric")
+#: largest correction that is believed
+_LARGEST_MM = 10.0
 _STOPS = "LinuxCNC stops reading at the first line that is not three numbers"
 _COMMENT = """# What stands below the numbers is not read by LinuxCNC.
 # COMP_FILE_TYPE = {type}: {meaning}; mm, machine coordinates of joint {axis}.
@@ -77,9 +79,13 @@ def write_linuxcnc(folder: Path, tables: Sequence[AxisTable], *, file_type: int)
 
 @dataclass(frozen=True)
 class ScrewCompensation:
-    """What LinuxCNC keeps of its files: nominal, forward trim, reverse trim by joint, (K, 3) mm."""
+    """What LinuxCNC keeps of its files: nominal, forward trim, reverse trim by joint, (K, 3) mm.
+
+    `unread` says in sentences which entries it does not keep.
+    """
 
     joints: dict[int, np.ndarray]
+    unread: tuple[str, ...] = ()
 
     def applied_correction(
         self, nose_mm: np.ndarray, direction: np.ndarray, tool_mm: np.ndarray
@@ -101,7 +107,8 @@ def read_linuxcnc(folder: Path) -> ScrewCompensation:
     ------
     InputError
         Entries that do not increase, more than 256, or none; a line that begins with a number and
-        is no entry; a joint above 2; a machine unit that is not mm.
+        is no entry; a correction above 10 mm; another type than 0 and 1; a joint above 2; a
+        machine unit that is not mm.
     """
     path = folder / "joints.ini"
     sections: dict[int, dict[str, str]] = {}
@@ -116,17 +123,17 @@ def read_linuxcnc(folder: Path) -> ScrewCompensation:
             )
         elif section is not None and key in ("COMP_FILE", "COMP_FILE_TYPE"):
             section[key] = value
-            if key == "COMP_FILE_TYPE" and not re.fullmatch(r"\d+", value):
+            if key == "COMP_FILE_TYPE" and value not in ("0", "1"):
                 raise InputError(
                     f"COMP_FILE_TYPE is '{value}'", file=path, line=number, accepted="0 or 1"
                 )
-    return ScrewCompensation(
-        {
-            joint: _triplets(folder / own["COMP_FILE"], int(own.get("COMP_FILE_TYPE", "0")))
-            for joint, own in sections.items()
-            if own.get("COMP_FILE")
-        }
-    )
+    named = {joint: own for joint, own in sections.items() if own.get("COMP_FILE")}
+    joints = {
+        joint: _triplets(folder / own["COMP_FILE"], int(own.get("COMP_FILE_TYPE", "0")))
+        for joint, own in named.items()
+    }
+    unread = [said for own in named.values() for said in _unread(folder / own["COMP_FILE"])]
+    return ScrewCompensation(joints, tuple(unread))
 
 
 def _section(
@@ -158,17 +165,46 @@ def _triplets(path: Path, file_type: int) -> np.ndarray:
         if rows and nominal <= rows[-1][0]:
             raise InputError(f"nominal {nominal:g} does not increase", file=path, line=number)
         trims = (nominal - up, nominal - down) if file_type == 0 else (up, down)
+        if max(map(abs, trims)) > _LARGEST_MM:
+            raise _other_type(line, file_type, path, number)
         rows.append((nominal, *trims))
     if not 1 <= len(rows) <= MOST_ENTRIES:
-        raise InputError(f"{len(rows)} entries", file=path, line=1, accepted=f"1 .. {MOST_ENTRIES}")
+        hint = None if rows else _STOPS
+        accepted = f"1 .. {MOST_ENTRIES}"
+        raise InputError(f"{len(rows)} entries", file=path, line=1, accepted=accepted, hint=hint)
     return np.array(rows)
+
+
+def _unread(path: Path) -> Iterator[str]:
+    """A sentence where entries stand below the line at which LinuxCNC stops reading."""
+    lines = read_text(path, what="compensation file").splitlines()
+    is_entry = [
+        len(words) == 3 and bool(np.isfinite([decimal_number(word) for word in words]).all())
+        for words in (line.split()[:3] for line in lines)
+    ]
+    stop = is_entry.index(False) if False in is_entry else len(lines)
+    if below := [number for number, good in enumerate(is_entry, 1) if good and number > stop]:
+        count = "1 entry" if len(below) == 1 else f"{len(below)} entries"
+        yield f"{path.name}:{below[0]}: {count} below line {stop + 1} left out: {_STOPS}"
+
+
+def _other_type(line: str, file_type: int, path: Path, number: int) -> InputError:
+    """A trim that no screw needs: the numbers are of the other type."""
+    other = 1 - file_type
+    return InputError(
+        f"'{line.strip()}' is a correction above {_LARGEST_MM:g} mm with COMP_FILE_TYPE = "
+        f"{file_type}",
+        file=path, line=number, accepted=f"type {file_type}: {_MEANING[file_type]}",
+        hint=f"type {other} is: {_MEANING[other]}",
+    )  # fmt: skip
 
 
 def errors_of_linuxcnc(folder: Path, options: Mapping[str, Any]) -> HeldErrors:
     """The errors that the trims take back: positioning of each joint, with its reversal."""
-    joints = read_linuxcnc(folder).joints
+    read = read_linuxcnc(folder)
     return HeldErrors(
-        {error_name(j, j): (own[:, 0], -own[:, 1], -own[:, 2]) for j, own in joints.items()}
+        {error_name(j, j): (own[:, 0], -own[:, 1], -own[:, 2]) for j, own in read.joints.items()},
+        told=read.unread,
     )
 
 

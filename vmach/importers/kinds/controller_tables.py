@@ -66,6 +66,7 @@ class ControllerTables(Importer):
             values = {n: convention.in_angle_unit(v) for n, v in held.squareness_rad.items()}
             sections.append(Section("machine", "squareness", values))
         said = [f"{folder}: {one.title}: {', '.join((*held.tables, *held.squareness_rad))}"]
+        said += held.told
         if any((forward != backward).any() for _, forward, backward in held.tables.values()):
             said.append('reversal acts with directions = "separate" in [tables]')
         if held.order and questions.machine_file is None:

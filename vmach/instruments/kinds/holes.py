@@ -19,6 +19,7 @@ from vmach.instruments.readings import in_stretches
 from vmach.measurements import Contacts, Measurement
 from vmach.measurements.columns import Columns
 from vmach.measurements.instrument import Instrument, ModelOfTest
+from vmach.measurements.plausibility.odd_uncertainty import odd_uncertainty_notes
 from vmach.measurements.repeats import check_degrees, mean_of_repeats
 from vmach.nominal.points import FINEST_U_UM, WHEN, when_measured
 from vmach.path.hole_making import CONTACTS, CircularFeature, HoleContacts, hole_contacts
@@ -91,7 +92,7 @@ class Holes(Instrument):
             u_mm=np.repeat(u_mm[holes], per_hole),
             group=_groups(table, holes, alone.tool, list(deviation)),
             nuisance=_pose(states, sensing),
-            notes=in_file(_left_out(made.found, table), table.path),
+            notes=in_file((*_left_out(made.found, table), *_odd(table)), table.path),
             contacts=contacts,
             clamping=None if clamping is None else np.repeat(clamping[holes], per_hole),
             measured_at=None if when is None else np.repeat(when[holes], per_hole),
@@ -199,6 +200,12 @@ def _left_out(found: np.ndarray, table: Columns) -> tuple[Note, ...]:
         f"lines {lines}{more}"
     )
     return (Note.plain(Kind.UNCUT, said, len(lost), "1"),)
+
+
+def _odd(table: Columns) -> tuple[Note, ...]:
+    """Doubts about rows whose uncertainty is far from that of the others."""
+    own = table.numbers.get("u_um")
+    return () if own is None else odd_uncertainty_notes(own, table.lines)
 
 
 def _states_seen(made: HoleContacts, *, with_bottom: bool) -> PathStates:

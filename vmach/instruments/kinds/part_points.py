@@ -23,6 +23,7 @@ from vmach.measurements.neighbours import (
 )
 from vmach.measurements.plausibility.alternatives import alternative_notes
 from vmach.measurements.plausibility.gross_mistakes import gross_mistake
+from vmach.measurements.plausibility.odd_uncertainty import odd_uncertainty_notes
 from vmach.measurements.plausibility.part_alternatives import part_alternatives
 from vmach.measurements.plausibility.part_check import (
     FEW,
@@ -105,6 +106,9 @@ def measure_part(
 
     check_aligned(points, seat, path, cause)
     doubts = check_unit_of_points(preparation, points, prediction.is_cut, path)
+    if points.u_mm is not None:
+        odd = odd_uncertainty_notes(um_from_mm(points.u_mm), points.line)
+        doubts = (*doubts, *in_file(odd, path))
     part = _where_cut(seated, prediction, path.name).made_beside(()).noted(*doubts)
     # the pose stays in the readings, which leave it free, without what of a turn is not linear
     pose_mm = seat.deviation_mm(points.point_mm, points.normal)[cut]

@@ -246,9 +246,12 @@ def _numbers(cells: list[str], header: _Header, path: Path, line: int) -> np.nda
         )  # fmt: skip
     if not np.isfinite(numbers[keys]).all():
         raise InputError(f"row '{', '.join(cells)}' has no position", file=path, line=line)
-    if header.approach is not None and numbers[header.approach] == 0:
+    if header.approach is not None and abs(numbers[header.approach]) != 1:
         approach = cells[header.approach]
-        raise InputError(f"approach {approach}", file=path, line=line, accepted="1 or -1")
+        raise InputError(
+            f"approach {approach}", file=path, line=line, accepted="1 or -1",
+            hint="1 where the motion into the position was in + of the axis, -1 in -",
+        )  # fmt: skip
     run = 0.0 if header.run is None else numbers[header.run]
     if header.run is not None and not (0 <= run <= LARGEST_RUN and run % 1 == 0):
         raise InputError(
