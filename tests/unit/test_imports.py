@@ -120,7 +120,7 @@ def test_rooms_stay_small():
 
 
 def test_the_command_line_loads_nothing_that_takes_long():
-    heavy = ["numba", "scipy", "matplotlib", "trimesh", "manifold3d", "pyvista"]
+    heavy = ["numba", "scipy", "matplotlib", "trimesh", "manifold3d", "pyvista", "rich"]
     code = f"import sys, vmach.cli; print([name for name in {heavy} if name in sys.modules])"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "[]"

@@ -1,26 +1,28 @@
 """The progress bar: every stage moves until the next one begins."""
 
 import io
+import sys
 
 import pytest
 from rich.console import Console
 from rich.progress import Progress
 
-from vmach.base import progress
+from vmach.base import bar, progress
 
 
 @pytest.fixture
 def bars(monkeypatch):
     """The bars that are drawn on a terminal."""
     console = Console(file=io.StringIO(), force_terminal=True)
-    monkeypatch.setattr(progress, "console", lambda stderr: console)
+    monkeypatch.setattr(progress, "is_terminal", lambda stream: True)
+    monkeypatch.setattr(bar, "console", lambda stderr: console)
     made = []
 
     def keep(*columns, **options):
         made.append(Progress(*columns, **options))
         return made[-1]
 
-    monkeypatch.setattr(progress, "Progress", keep)
+    monkeypatch.setattr(bar, "Progress", keep)
     return made
 
 
@@ -61,6 +63,6 @@ def test_a_stage_of_known_length_says_how_long_it_still_takes(bars):
 
 
 def test_nothing_is_drawn_where_nobody_looks(monkeypatch):
-    monkeypatch.setattr(progress, "console", lambda stderr: Console(file=io.StringIO()))
+    monkeypatch.setattr(sys, "stderr", io.StringIO())
     with progress.progress_bar() as report:
         assert report is progress.silent

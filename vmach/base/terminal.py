@@ -9,11 +9,12 @@ from __future__ import annotations
 import io
 import re
 import sys
-from typing import Any, TextIO, cast
+from typing import TYPE_CHECKING, TextIO, cast
 
-from rich.console import Console
+if TYPE_CHECKING:
+    from rich.console import Console
 
-__all__ = ["console", "printable", "protect_terminal"]
+__all__ = ["console", "is_terminal", "printable", "protect_terminal"]
 
 #: controls but tabulator and line end, marks of direction, halves of characters
 _UNSAFE = re.compile(
@@ -64,11 +65,6 @@ class _Controlling(io.TextIOBase):
         return self._stream.fileno()
 
 
-class _PrintableConsole(Console):
-    def render_str(self, text: str, **style: Any) -> Any:
-        return super().render_str(printable(text), **style)
-
-
 def protect_terminal() -> None:
     """From now on nothing that is printed steers the terminal but what `console` writes."""
     sys.stdout = _protected(sys.stdout)
@@ -83,9 +79,16 @@ def _protected(stream: TextIO) -> TextIO:
     return _PrintableStream(stream.detach(), encoding, errors, None, *settings)
 
 
+def is_terminal(stream: TextIO) -> bool:
+    """Whether somebody may look at a stream; a closed one is no terminal."""
+    return not stream.closed and stream.isatty()
+
+
 def console(*, stderr: bool = False) -> Console:
     """A console for tables, colours and bars; the strings that it is given are made printable."""
+    from vmach.base.printable_console import PrintableConsole  # late: it loads rich
+
     stream = sys.stderr if stderr else sys.stdout
     if isinstance(stream, _PrintableStream):
-        return _PrintableConsole(file=cast(TextIO, _Controlling(stream)))
-    return _PrintableConsole(file=stream)
+        return PrintableConsole(file=cast(TextIO, _Controlling(stream)))
+    return PrintableConsole(file=stream)

@@ -7,7 +7,6 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from vmach.diagnosis.diagnose import Diagnosis
-from vmach.diagnosis.page import write_diagnosis_page
 from vmach.diagnosis.report import write_figures
 from vmach.files.atomic import atomic_folder
 from vmach.job import Job, job_name
@@ -56,6 +55,9 @@ def write_diagnosis(
     InputError
         The folder cannot be written to.
     """
+    # late: a diagnosis without a page does not wait for what draws it
+    from vmach.diagnosis.page import write_diagnosis_page
+
     program = None if found.next_program is None else _PROGRAM
     title = job_name(found.residuals.survey.job.path)
     with atomic_folder(folder) as place:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import lsq_linear
+import scipy  # its parts are loaded when they are first used
 from scipy.special import logsumexp
 
 from vmach.diagnosis.gates.impossible_sizes import impossible_terms
@@ -225,5 +225,5 @@ def _can_imitate(
     """
     whiten = others.posterior.whiten
     shown, columns = whiten(explained_mm), whiten(span)
-    left = 2.0 * lsq_linear(columns, shown, bounds=(least, np.inf)).cost
+    left = 2.0 * scipy.optimize.lsq_linear(columns, shown, bounds=(least, np.inf)).cost
     return left < 2.0 * CLEARLY

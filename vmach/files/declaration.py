@@ -10,6 +10,7 @@ import difflib
 import inspect
 import re
 from collections.abc import Iterable
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +40,6 @@ class Declaration:
     def __init__(self, kind: type, base: type, what: str, file: Path | None = None) -> None:
         self.kind, self.base, self.what = kind, base, what
         self.file = file or _file_of(kind)
-        self._lines = {} if self.file is None else _lines_of_class(kind, self.file)
 
     def error(
         self, said: str, *, key: str = "", accepted: str, hint: str | None = None
@@ -48,6 +48,11 @@ class Declaration:
         line = self._lines.get(key, self._lines.get(""))
         said = f"{self.what} class {self.kind.__name__}: {said}"
         return InputError(said, file=self.file, line=line, accepted=accepted, hint=hint)
+
+    @cached_property
+    def _lines(self) -> dict[str, int]:
+        """Where it and its attributes stand; of no use where all is right, so found late."""
+        return {} if self.file is None else _lines_of_class(self.kind, self.file)
 
     def given(self, name: str, accepted: str) -> Any:
         """An attribute that has to be there."""

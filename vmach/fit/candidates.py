@@ -5,6 +5,7 @@ Source: closed form derived here: inner parameters have a log-normal prior on th
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
@@ -93,8 +94,8 @@ def candidate_of(survey: Survey, effect: Effect, target: str) -> Candidate | Non
     # Rounded they are those of a law that differs in the eighth digit
     rows = np.empty((len(grid), first.shape[1], len(first)), dtype=np.float32)
     is_blind = True
-    for row, inner in zip(rows, grid, strict=True):
-        columns = survey.signature(effect, target, inner)
+    others = (survey.signature(effect, target, inner) for inner in grid[1:])
+    for row, columns in zip(rows, itertools.chain([first], others), strict=True):
         row[:] = columns.T
         is_blind = is_blind and _is_blind(survey, columns)
     if is_blind:

@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy  # its parts are loaded when they are first used
 from scipy.special import ndtr, ndtri
 
 from vmach.fit.columns import Columns
@@ -338,7 +338,9 @@ def _quantiles(weight: np.ndarray, mean: np.ndarray, sigma: np.ndarray) -> tuple
     def excess(x: float, share: float) -> float:
         return float(weight @ ndtr((x - mean) / sigma)) - share
 
-    return tuple(brentq(excess, low, high, args=(share,)) for share in (0.025, 0.975))
+    return tuple(
+        scipy.optimize.brentq(excess, low, high, args=(share,)) for share in (0.025, 0.975)
+    )
 
 
 def _slopes(

@@ -21,6 +21,7 @@ from vmach.path.dynamics import corner_before, curvature_per_mm
 from vmach.path.engagement import Engagement, engagement
 from vmach.path.levers import levers, location_levers, tilts_of_axes_rad
 from vmach.path.motion_history import MotionHistory
+from vmach.path.screw_waves import ScrewWaves
 from vmach.path.toolpath import PathStates
 
 __all__ = ["Circumstances"]
@@ -208,27 +209,30 @@ class Circumstances:
         The heat source is, in the share `work_share`, the speed of the axis, and constant in
         the rest.
         """
-        heat = self.history.heat
-        by_work = self._once(
-            "axis",
-            (axis, time_constant_s),
-            lambda: heat.axis_warmth(axis, time_constant_s, self.time_s),
-        )
-        by_time = -np.expm1((heat.start_s[0] - self.time_s) / time_constant_s)
+        start_s = self.history.heat.start_s[0]
+        by_time = -np.expm1((start_s - self.time_s) / time_constant_s)
+        by_work = self._warmth_by_work(axis, time_constant_s)
         return work_share * by_work + (1.0 - work_share) * by_time
 
+    def _warmth_by_work(self, axis: int, time_constant_s: float) -> np.ndarray:
+        """First-order response to the axis' motion alone, (P,)."""
+        heat, key = self.history.heat, (axis, time_constant_s)
+        return self._once("axis", key, lambda: heat.axis_warmth(*key, self.time_s))
+
     def warmth_of_screw_mm(self, axis: int, time_constant_s: float) -> np.ndarray:
-        """Warmth of an axis' screw summed from home to the nut, (P,) mm; see HeatHistory."""
+        """Warmth of an axis' screw summed from home to the nut, (P,) mm.
+
+        The screw is heated where its nut runs: see `vmach.path.screw_waves`.
+        """
         low, high = self.job.machine.travel_mm
+        waves = ScrewWaves(float(low[axis]), float(high[axis]))
+        position_mm, heat = self.nose_mm[:, axis], self.history.heat
 
         def warmth() -> np.ndarray:
-            return self.history.heat.screw_warmth_mm(
-                axis,
-                time_constant_s,
-                travel_mm=(float(low[axis]), float(high[axis])),
-                time_s=self.time_s,
-                position_mm=self.nose_mm[:, axis],
-            )
+            sines = self._once("sines", (axis,), lambda: waves.sines(position_mm))
+            uneven = heat.warmth_of_waves(axis, time_constant_s, waves=waves, time_s=self.time_s)
+            even = self._warmth_by_work(axis, time_constant_s) * position_mm
+            return even + (uneven * sines) @ (1.0 / waves.per_mm)
 
         return self._once("screw", (axis, time_constant_s), warmth)
 

@@ -9,19 +9,17 @@ exp(-t / tau).
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numba import njit
+
+from vmach.path.screw_waves import ScrewWaves
 
 __all__ = ["REFERENCE_AXIS_MM_PER_S", "HeatHistory", "response"]
 
 #: mean speed of an axis that thermal amplitudes are stated at: 100 mm/min
 REFERENCE_AXIS_MM_PER_S = 100.0 / 60.0
-
-#: cosines that the temperature along a screw is made of
-_SCREW_WAVES = 12
-#: of carbon steel near room temperature
-_STEEL_DIFFUSIVITY_MM2_PER_S = 13.0
 
 
 @dataclass(frozen=True)
@@ -43,53 +41,25 @@ class HeatHistory:
 
     def axis_warmth(self, axis: int, time_constant_s: float, time_s: np.ndarray) -> np.ndarray:
         """First-order response to the speed of an axis, (P,); 1 when warm at 100 mm/min."""
-        drive = self._per_s(np.abs(np.diff(self.corner_mm[:, axis])))
-        return self._response(drive, time_constant_s, time_s)
+        return self._response(self._speed[axis], time_constant_s, time_s)
 
-    def screw_warmth_mm(
-        self, axis: int, time_constant_s: float, *, travel_mm: tuple[float, float],
-        time_s: np.ndarray, position_mm: np.ndarray,
-    ) -> np.ndarray:  # fmt: skip
-        """Warmth of a screw that is heated where its nut runs, summed from home to the nut.
+    def warmth_of_waves(
+        self, axis: int, time_constant_s: float, *, waves: ScrewWaves, time_s: np.ndarray
+    ) -> np.ndarray:
+        """How warm the screw of an axis is in each cosine along it, beside its even warmth, (P, W).
 
-        Heat enters the places that the nut passes, by the way it makes there, spreads along the
-        steel and is lost to the air with the time constant; no heat leaves by the ends. The
-        temperature is a sum of cosines along the screw, each of which follows its share of the
-        heat with a lag of its own: 1 / time constant + diffusivity (m pi / length)^2. Used all
-        the time and everywhere alike, at the reference speed, the screw has a warmth of 1.
-
-        Parameters
-        ----------
-        axis : int
-        time_constant_s : float
-        travel_mm : (float, float)
-            Where the screw begins and ends; the same in every call.
-        time_s, position_mm : (P,)
-            Where it is asked for; positions of the axis.
-
-        Returns
-        -------
-        (P,) float64
-            Integral of the warmth over the screw from 0 to `position_mm`, mm.
+        Used all the time and everywhere alike, at the reference speed, the screw has an even
+        warmth of 1. The waves of an axis have to be the same in every call.
         """
-        low, high = travel_mm
-        wave = np.pi * np.arange(1, _SCREW_WAVES + 1) / (high - low)
-        rate = 1.0 / time_constant_s + _STEEL_DIFFUSIVITY_MM2_PER_S * wave**2
-        lag = 1.0 / rate
-        drive = self._heat_of_waves(axis, wave, low) * (lag / time_constant_s)
-        warmth = self._response(drive, lag, time_s)
-        sines = np.sin(np.multiply.outer(position_mm - low, wave)) + np.sin(wave * low)
-        even = self.axis_warmth(axis, time_constant_s, time_s) * position_mm
-        return even + (warmth * sines) @ (1.0 / wave)
-
-    def _heat_of_waves(self, axis: int, wave: np.ndarray, low: float) -> np.ndarray:
-        """Heat of every piece in cosines along the screw, in reference speeds, (K, waves)."""
         if axis not in self._heats:
-            place = self.corner_mm[:, axis]
-            sines = np.sin(np.multiply.outer(place - low, wave)) / wave
-            forwards = np.sign(np.diff(place))[:, None]
-            self._heats[axis] = self._per_s(2.0 * forwards * np.diff(sines, axis=0))
-        return self._heats[axis]
+            self._heats[axis] = self._per_s(waves.heat_mm(self.corner_mm[:, axis]))
+        lag = waves.lag_s(time_constant_s)
+        return self._response(self._heats[axis] * (lag / time_constant_s), lag, time_s)
+
+    @cached_property
+    def _speed(self) -> list[np.ndarray]:
+        """Speed of each axis on every piece, in reference speeds, 3 times (K,)."""
+        return [self._per_s(np.abs(way)) for way in np.diff(self.corner_mm, axis=0).T]
 
     def _per_s(self, travel_mm: np.ndarray) -> np.ndarray:
         """Ways made on the pieces as speeds, in reference speeds; 0 where no time passes."""
