@@ -133,8 +133,7 @@ class FormColumns:
         self._looked_at.add(asked)
         tools = [(s, value[:, 0]) for s, value in self._states.items() if s.kind == "tool"]
         found = [
-            *wave_states(self._survey, rest_mm, self._sensed),
-            *wave_states(self._survey, left_mm, self._sensed, with_high_frequency=False),
+            *wave_states(self._survey, rest_mm, self._sensed, smooth_mm=left_mm),
             *self._spots.states(left_mm),
         ]
         forms = [Form(CONSTANT, *one) for one in found]
