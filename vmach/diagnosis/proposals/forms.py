@@ -263,10 +263,11 @@ class Forms:
             for form in forms:
                 k, resize = weighing.index_of(form.label), here is start
                 trial = weighing.extend(here, k, resize=resize)
+                if trial.score <= here.score + CLEARLY:
+                    continue
                 proposal = _proposal(weighing, form, here, trial)
                 # what the discrepancy holds as well has to foretell
-                share = proposal.share_left(noise_um)
-                if proposal.odds > CLEARLY and share < (1.0 if resize else _HALVED):
+                if proposal.share_left(noise_um) < (1.0 if resize else _HALVED):
                     found.append(proposal)
         told = _told(found, len(weighing.survey))
         return tuple(replace(p, form=self._columns.held(p.form)) for p in told)
