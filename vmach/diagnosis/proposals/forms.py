@@ -343,5 +343,6 @@ def _complexity(proposal: Proposal) -> tuple[int, int, float]:
 
 
 def _two_views(here: Explanation) -> list[Explanation]:
-    """An explanation as it is, and beside a discrepancy that leaves forms to show."""
-    return [here, beside_little(here)]
+    """An explanation as it is, and beside a discrepancy that leaves forms to show, if it hides."""
+    little = beside_little(here)
+    return [here] if little.posterior.sizes == here.posterior.sizes else [here, little]

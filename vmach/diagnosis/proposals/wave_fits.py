@@ -69,16 +69,15 @@ class WaveFits:
                 trials = np.clip(best[some] + sides[:, some], -FINER, FINER)
                 asked = frequencies[some] + trials * cells[some, None]
                 found = np.stack([self.gains(one, some) for one in asked])
-                highest = found.argmax(axis=0)[None]
-                higher = moving[some] & (found.max(axis=0) > most[some])
-                trial = np.take_along_axis(trials, highest, axis=0)[0]
-                best[some] = np.where(higher, trial, best[some])
-                most[some] = np.where(higher, found.max(axis=0), most[some])
+                trial, gain, ahead = _of_highest(found, trials, found, sides[:, some])
+                is_higher = moving[some] & (gain > most[some])
+                best[some] = np.where(is_higher, trial, best[some])
+                most[some] = np.where(is_higher, gain, most[some])
+                moving[:] = False
+                moving[some] = is_higher
                 # on the other side it came from lower
-                going = np.zeros((1, *frequencies.shape))
-                going[:, some] = np.take_along_axis(sides[:, some], highest, axis=0)
-                sides, moving = going, np.zeros_like(moving)
-                moving[some] = higher
+                sides = sides[:1]
+                sides[0, some] = ahead
         return frequencies + best * cells[:, None]
 
     def gains(self, frequencies: np.ndarray, waves: np.ndarray | None = None) -> np.ndarray:
@@ -109,9 +108,8 @@ class WaveFits:
         angle = (2.0 * np.pi * (turns - np.rint(turns))).astype(np.float32)
         sine, cosine = np.sin(angle).astype(np.float64), np.cos(angle).astype(np.float64)
         pairs = np.concatenate([sine * sine, sine * cosine, cosine * cosine], axis=1)
-        ss, sc, cc = np.moveaxis(
-            (pairs @ self._squares[waves]).reshape(some, 3, count, wide, wide), 1, 0
-        )
+        pairs = (pairs @ self._squares[waves]).reshape(some, 3, count, wide, wide)
+        ss, sc, cc = pairs.swapaxes(0, 1)
         products = np.block([[ss, sc], [sc, cc]])
         both = np.concatenate([sine, cosine], axis=1) @ self._beside[waves]
         both = both.reshape(some, 2, count, wide, -1).swapaxes(1, 2)
@@ -121,6 +119,12 @@ class WaveFits:
         products += np.maximum(least, 1e-300) * np.eye(2 * wide)
         products -= aligned @ aligned.swapaxes(-1, -2)
         return products, seen - (aligned @ self._aligned[waves][:, None, :, None])[..., 0]
+
+
+def _of_highest(gains: np.ndarray, *values: np.ndarray) -> list[np.ndarray]:
+    """Of values (S, w, F) those of the side, of S, with the largest gain, (w, F) each."""
+    side = gains.argmax(axis=0)[None]
+    return [np.take_along_axis(own, side, axis=0)[0] for own in values]
 
 
 def _products(first: np.ndarray, second: np.ndarray) -> np.ndarray:

@@ -143,12 +143,11 @@ def wave_states(
     if smooth_mm is not None and not np.array_equal(smooth_mm, left_mm):
         asked.append((smooth_mm, False))
     waves = [wave for one in asked for wave in _waves(survey, *one, sensed)]
-    rows = _spread(len(survey))
-    alignment = orthonormal((survey.nuisance / survey.u_mm[:, None])[rows])
+    alignment = orthonormal((survey.nuisance / survey.u_mm[:, None])[_spread(len(survey))])
     found: dict[int, np.ndarray] = {}
     for wide in {wave.sensed.shape[1] for wave in waves}:
         alike = [k for k, wave in enumerate(waves) if wave.sensed.shape[1] == wide]
-        leading = _leading([waves[k] for k in alike], rows, alignment)
+        leading = _leading([waves[k] for k in alike], alignment)
         found |= dict(zip(alike, leading, strict=True))
     for k, wave in enumerate(waves):
         for frequency in found[k].tolist():
@@ -168,27 +167,25 @@ class _Wave:
     ----------
     argument : _Argument
     direction : Direction
-    along : (n,) float64
-        What it goes along.
-    sensed : (n, D) float64
-        How readings sense a unit displacement, in their uncertainties.
-    left : (n,) float64
-        What is not explained, in their uncertainties.
+    span : float
+        How far it goes.
     peaks : list of float
         Frequencies.
+    along : (m,) float64
+        What it goes along, of the readings that it is fitted to.
+    sensed : (m, D) float64
+        How these sense a unit displacement, in their uncertainties.
+    left : (m,) float64
+        What is not explained, in their uncertainties.
     """
 
     argument: _Argument
     direction: Direction
+    span: float
+    peaks: list[float]
     along: np.ndarray
     sensed: np.ndarray
     left: np.ndarray
-    peaks: list[float]
-
-    @property
-    def span(self) -> float:
-        """How far it goes."""
-        return float(np.ptp(self.along))
 
 
 def _waves(
@@ -198,7 +195,8 @@ def _waves(
     sensed: Mapping[Direction, np.ndarray],
 ) -> Iterator[_Wave]:
     """Waves that what is left (n,) mm may show, along all arguments and in all directions."""
-    scale = 1.0 / survey.u_mm
+    rows, unit = _spread(len(survey)), survey.u_mm[:, None]
+    left = left_mm[:, None] / unit
     for argument in _ARGUMENTS:
         if argument.is_high_frequency and not with_high_frequency:
             continue
@@ -206,24 +204,25 @@ def _waves(
             continue
         along = argument.of(survey, argument.code)
         height = argument.of(survey, argument.height)[:, None] if argument.height else 1.0
-        if np.ptp(along) < 2.0 * argument.shortest:
+        span = float(np.ptp(along))
+        if span < 2.0 * argument.shortest:
             continue
         raster = _Raster(along, argument)
         for direction in (d for d in argument.directions if d in sensed):
-            seen = sensed[direction] * height
-            if not seen.any():
-                continue
-            own, left = seen * scale[:, None], left_mm * scale
-            if peaks := raster.peaks(left[:, None] * own):
-                yield _Wave(argument, direction, along, own, left, peaks)
+            own = sensed[direction] * height / unit
+            peaks = raster.peaks(left * own) if own.any() else []
+            if peaks:
+                # of many readings, these hold no memory of the others
+                fitted = (np.ascontiguousarray(v[rows]) for v in (along, own, left[:, 0]))
+                yield _Wave(argument, direction, span, peaks, *fitted)
 
 
-def _leading(waves: Sequence[_Wave], rows: slice, alignment: np.ndarray) -> list[np.ndarray]:
+def _leading(waves: Sequence[_Wave], alignment: np.ndarray) -> list[np.ndarray]:
     """Frequencies of least squares next to the peaks that explain most, those of each wave."""
     fits = WaveFits(
-        np.stack([wave.along[rows] for wave in waves]),
-        np.stack([wave.sensed[rows] for wave in waves]),
-        np.stack([wave.left[rows] for wave in waves]),
+        np.stack([wave.along for wave in waves]),
+        np.stack([wave.sensed for wave in waves]),
+        np.stack([wave.left for wave in waves]),
         alignment,
     )
     counts = np.array([len(wave.peaks) for wave in waves])
