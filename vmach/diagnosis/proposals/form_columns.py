@@ -234,9 +234,8 @@ class FormColumns:
         for k, form in enumerate(forms):
             if is_shown[k] and form.direction.turns_tool:
                 # of several amounts none, as that one would stand for a table
-                is_shown[k] = (
-                    np.linalg.norm(self._places.T @ self.space_of(form), 2) ** 2 < _OF_TABLE
-                )
+                share = np.linalg.norm(self._places.T @ self.space_of(form), 2) ** 2
+                is_shown[k] = share < _OF_TABLE
         return is_shown
 
     @cached_property
@@ -247,12 +246,6 @@ class FormColumns:
             place = alike_rows([path.nose_mm])[1]
             blocks.append(np.eye(place.max() + 1)[place] / np.sqrt(np.bincount(place)))
         return block_diag(*blocks)
-
-
-def _candidate(form: Form, columns: np.ndarray) -> Candidate:
-    """A form with signatures (n, K) mm as a candidate."""
-    effect = FormEffect(form, columns.shape[1])
-    return Candidate(effect, form.formula, [{}], np.zeros(1), columns[:, None, :])
 
 
 def _states(survey: Survey) -> dict[State, np.ndarray]:

@@ -59,12 +59,12 @@ class LeadingForms:
     def of(self, views: Sequence[Explanation], most: int) -> list[Form]:
         """Forms worth a fit beside an explanation, so many at most from each view of it."""
         seen = [self._screen.posterior(v.posterior.sizes, v.posterior.effects) for v in views]
-        taken = [apart(view) for view in seen]
+        of_effects = [apart(view) for view in seen]
         gains: list[list[np.ndarray]] = [[] for _ in seen]
         forms: list[Form] = []
         for bank in self._weighed():
             forms += bank.forms
-            for view, own, gain in zip(seen, taken, gains, strict=True):
+            for view, own, gain in zip(seen, of_effects, gains, strict=True):
                 gain.append(bank.gains(view, *own))
         chosen: list[Form] = []
         for gain in gains:
