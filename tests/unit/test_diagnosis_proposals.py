@@ -278,11 +278,11 @@ def test_forms_are_looked_through_as_they_are_fitted_where_zeros_were_touched(tm
 
 
 def test_forms_without_room_are_weighed_once_at_each_look(pushed_job, monkeypatch):
-    monkeypatch.setattr("vmach.diagnosis.proposals.leading_forms._AT_ONCE", 50)
     weighing = prepare_weighing(survey_job(pushed_job))
-    forms = Forms(weighing, weighing.nothing())
-    monkeypatch.setattr("vmach.diagnosis.proposals.leading_forms._ROOM", 120 * len(weighing.survey))
-    looks = [[form for some, _ in forms._leading._weighed() for form in some] for _ in range(3)]
+    forms, leading = Forms(weighing, weighing.nothing()), "vmach.diagnosis.proposals.leading_forms"
+    monkeypatch.setattr(f"{leading}._AT_ONCE", 50 * len(weighing.survey))
+    monkeypatch.setattr(f"{leading}._ROOM", 120 * len(weighing.survey))
+    looks = [[f for bank in forms._leading._weighed() for f in bank.forms] for _ in range(3)]
     assert len(looks[0]) > 150
     assert looks[1] == looks[0] and looks[2] == looks[0]
 

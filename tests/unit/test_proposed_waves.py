@@ -8,7 +8,8 @@ from vmach.diagnosis.diagnose import diagnose
 from vmach.diagnosis.proposals.form_columns import FormColumns
 from vmach.diagnosis.proposals.held_out import held_out_um
 from vmach.diagnosis.proposals.states import DIRECTIONS
-from vmach.diagnosis.proposals.waves import _Wave, wave_states
+from vmach.diagnosis.proposals.wave_fits import WaveFits
+from vmach.diagnosis.proposals.waves import wave_states
 from vmach.diagnosis.residuals.job_survey import survey_job
 from vmach.fit.whitening import orthonormal
 
@@ -54,10 +55,11 @@ def test_gain_of_a_wave_is_what_least_squares_takes_off_beside_the_alignment(clu
     survey, left, time, sensed = clustered
     scale = 1.0 / survey.u_mm
     alignment = orthonormal(survey.nuisance * scale[:, None])
-    wave = _Wave(time, sensed[ALONG_Y] * scale[:, None], left * scale, alignment)
+    own = time, sensed[ALONG_Y] * scale[:, None], left * scale
+    wave = WaveFits(*(values[None] for values in own), alignment)
     _, alone = left_by_brute_force_um(survey, time, 0.0 * sensed[ALONG_Y], 0.0)
     periods = np.array([100.0, 173.0, 400.0])
-    for period, gain in zip(periods, wave.gains(1.0 / periods), strict=True):
+    for period, gain in zip(periods, wave.gains(1.0 / periods[None])[0], strict=True):
         _, rest = left_by_brute_force_um(survey, time, sensed[ALONG_Y], 1.0 / period)
         assert gain == pytest.approx(alone - rest, rel=1e-6)
 
@@ -67,7 +69,8 @@ def test_a_wave_that_the_alignment_takes_up_explains_nothing():
     turn = 2 * np.pi * 0.05 * along
     alignment = orthonormal(np.column_stack([np.sin(turn), np.cos(turn)]))
     for sensed in (np.ones((40, 1)), np.full((40, 1), 1e-200), np.zeros((40, 1))):
-        gains = _Wave(along, sensed, left, alignment).gains(np.array([0.05, 0.05]))
+        wave = WaveFits(along[None], sensed[None], left[None], alignment)
+        gains = wave.gains(np.array([[0.05, 0.05]]))
         # the square of single precision over what counts as rounding, 6e-8**2 / 1e-9
         assert np.abs(gains).max() < 4e-6 * (left @ left)
 

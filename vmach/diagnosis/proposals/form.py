@@ -31,6 +31,14 @@ class Form:
     second: State
     direction: Direction
 
+    def __hash__(self) -> int:
+        return hash((self.first.code, self.second.code, self.direction.code))
+
+    @property
+    def both(self) -> tuple[State, State]:
+        """Its states, constant ones too."""
+        return self.first, self.second
+
     @property
     def states(self) -> tuple[State, ...]:
         """Those that are not constant."""

@@ -11,7 +11,8 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from vmach.base.alike_rows import alike_rows
-from vmach.diagnosis.proposals.form import USUAL_UM, Form, FormEffect
+from vmach.diagnosis.proposals.form import Form, FormEffect
+from vmach.diagnosis.proposals.form_rows import Rows, form_rows
 from vmach.diagnosis.proposals.spots import Spots
 from vmach.diagnosis.proposals.states import (
     ALL_AXES,
@@ -37,8 +38,6 @@ from vmach.fit.whitening import orthonormal
 
 __all__ = ["FormColumns"]
 
-#: some of the readings: all, or their numbers
-Rows = slice | np.ndarray
 #: kinds of what may push along all axes at once, by another amount each
 _ALONG_ALL = ("time", "warm-up", "time since tool change", "spindle", "tool change", "tool")
 #: kinds of what may be more or less along an axis
@@ -53,6 +52,8 @@ _WIDEST_GAP = 1.0 / HALF_TURNS
 #: motion, which is of places by definition (ISO 230-1); chosen: a wave in time as long as runs out
 #: and back does so to 0.99, one that has nothing to do with them to 0.8 at most
 _OF_TABLE = 0.9
+#: numbers that are worked on together, so few that they stay near the processor
+_CACHED = 200_000
 #: a form that differs by less than this among the readings, mm, does not show
 _BLIND_MM = 1e-9
 
@@ -78,16 +79,18 @@ class FormColumns:
         self._sensed = {d: _sensed(survey, d) for d in every if d.turns_tool in reads}
         self._spots = Spots(survey, self._sensed)
         # in the order in which they came; each once
-        forms = dict.fromkeys([*self._plain(), *self._of_several(), *self._along_axes()])
-        self._forms = {form: None for form in forms if form.direction in self._sensed}
-        self._formulas = {form.formula for form in self._forms}
+        listed = itertools.chain(self._plain(), self._of_several(), self._along_axes())
+        self._forms = dict.fromkeys(form for form in listed if form.direction in self._sensed)
+        #: of those that were added
+        self._formulas: set[str] = set()
 
     def _plain(self) -> Iterator[Form]:
         """Those of one amount."""
         single = [state for state, value in self._states.items() if value.shape[1] == 1]
+        directions = [d for d in (*DIRECTIONS, *TILTS) if d in self._sensed]
         for pair in itertools.combinations_with_replacement(single, 2):
             if pair[0] is not pair[1] or _has_square(self._states[pair[0]]):
-                yield from (Form(*pair, direction) for direction in (*DIRECTIONS, *TILTS))
+                yield from (Form(*pair, direction) for direction in directions)
 
     def _of_several(self) -> Iterator[Form]:
         """Those of several amounts: steps and waves, drifts along all axes, turns, heat, a bend."""
@@ -130,8 +133,7 @@ class FormColumns:
         self._looked_at.add(asked)
         tools = [(s, value[:, 0]) for s, value in self._states.items() if s.kind == "tool"]
         found = [
-            *wave_states(self._survey, rest_mm, self._sensed),
-            *wave_states(self._survey, left_mm, self._sensed, with_high_frequency=False),
+            *wave_states(self._survey, rest_mm, self._sensed, smooth_mm=left_mm),
             *self._spots.states(left_mm),
         ]
         forms = [Form(CONSTANT, *one) for one in found]
@@ -153,15 +155,18 @@ class FormColumns:
     def __len__(self) -> int:
         return len(self._forms)
 
-    def columns(self, form: Form, rows: Rows = slice(None)) -> np.ndarray:
-        """Signatures of a usual amount each over some of the readings, (n, K) mm."""
-        first, second = self._states[form.first][rows], self._states[form.second][rows]
-        product = (first[:, :, None] * second[:, None, :]).reshape(len(first), 1, -1)
-        sensed = self._sensed[form.direction][rows][:, :, None]
-        columns = 1e-3 * USUAL_UM * (sensed * product).reshape(len(first), -1)
-        if self._zeros and not form.needs_surface and not form.direction.turns_tool:
-            columns -= self._zeros.columns_mm(form)[rows]
-        return columns
+    def columns(self, form: Form) -> np.ndarray:
+        """Signatures of a usual amount each over the readings, (n, K) mm."""
+        return self._rows([form], slice(None))[0].T
+
+    def _rows(self, forms: Sequence[Form], rows: Rows) -> np.ndarray:
+        """Signatures of forms of one shape over some of the readings, (M, K, n) mm."""
+        found = form_rows(forms, self._states, self._sensed, rows)
+        if self._zeros:
+            for own, form in zip(found, forms, strict=True):
+                if not form.needs_surface and not form.direction.turns_tool:
+                    own -= self._zeros.columns_mm(form)[rows].T
+        return found
 
     def near(self, form: Form) -> list[Form]:
         """The form with other ways and times of its states, each in turn."""
@@ -180,7 +185,7 @@ class FormColumns:
         directions = DIRECTIONS[:3] if form.direction in TURNS else (form.direction,)
         fewer = (Form(CONSTANT, state, d) for state in states for d in directions)
         listed = (one for one in fewer if one in self._forms and one != form)
-        return [one for one in listed if self._shows(one, self.columns(one))]
+        return [one for one in listed if self._are_shown([one], self._rows([one], slice(None)))[0]]
 
     def space_of(self, form: Form) -> np.ndarray:
         """Orthonormal basis of the signatures with alignment taken off, (n, r)."""
@@ -197,23 +202,41 @@ class FormColumns:
 
     def candidate(self, form: Form) -> Candidate:
         """The form as a candidate of a search."""
-        return _candidate(form, self.columns(form))
+        columns = self.columns(form)
+        effect = FormEffect(form, columns.shape[1])
+        return Candidate(effect, form.formula, [{}], np.zeros(1), columns[:, None, :])
 
-    def shown(self, forms: Sequence[Form], rows: Rows) -> tuple[list[Form], list[Candidate]]:
-        """Those of some forms that some readings show, and as candidates over these."""
-        pairs = ((form, self.columns(form, rows)) for form in forms)
-        shown = [(form, columns) for form, columns in pairs if self._shows(form, columns)]
-        return [form for form, _ in shown], [_candidate(*one) for one in shown]
+    def shown(
+        self, forms: Sequence[Form], rows: Rows
+    ) -> Iterator[tuple[list[int], list[np.ndarray]]]:
+        """Which of some forms the readings show, and their signatures over some, (m, K, n) mm.
 
-    def _shows(self, form: Form, columns: np.ndarray) -> bool:
-        """Whether readings show a form with signatures (n, K) mm; of a tilt what no table says."""
-        if np.ptp(columns, axis=0).max() <= _BLIND_MM:
-            return False
-        if not form.direction.turns_tool:
-            return True
-        # of several amounts none, as that one would stand for a table
-        own = self.space_of(form)
-        return bool(np.linalg.norm(self._places.T @ own, 2) ** 2 < _OF_TABLE)
+        Those of one shape together, in their order; signatures in blocks.
+        """
+        alike: dict[tuple[int, ...], list[int]] = {}
+        for k, form in enumerate(forms):
+            values = self._sensed[form.direction], *(self._states[s] for s in form.both)
+            alike.setdefault(tuple(value.shape[1] for value in values), []).append(k)
+        for shape, own in alike.items():
+            many = max(_CACHED // (len(self._survey) * int(np.prod(shape))), 1)
+            numbers, blocks = [], []
+            for some in (own[k : k + many] for k in range(0, len(own), many)):
+                found = self._rows([forms[k] for k in some], rows)
+                is_shown = self._are_shown([forms[k] for k in some], found)
+                numbers += np.array(some)[is_shown].tolist()
+                blocks.append(found if is_shown.all() else found[is_shown])
+            if numbers:
+                yield numbers, blocks
+
+    def _are_shown(self, forms: Sequence[Form], signatures_mm: np.ndarray) -> np.ndarray:
+        """Whether readings show forms with signatures (M, K, n) mm; of tilts what no table says."""
+        is_shown = np.ptp(signatures_mm, axis=2).max(axis=1) > _BLIND_MM
+        for k, form in enumerate(forms):
+            if is_shown[k] and form.direction.turns_tool:
+                # of several amounts none, as that one would stand for a table
+                share = np.linalg.norm(self._places.T @ self.space_of(form), 2) ** 2
+                is_shown[k] = share < _OF_TABLE
+        return is_shown
 
     @cached_property
     def _places(self) -> np.ndarray:
@@ -223,12 +246,6 @@ class FormColumns:
             place = alike_rows([path.nose_mm])[1]
             blocks.append(np.eye(place.max() + 1)[place] / np.sqrt(np.bincount(place)))
         return block_diag(*blocks)
-
-
-def _candidate(form: Form, columns: np.ndarray) -> Candidate:
-    """A form with signatures (n, K) mm as a candidate."""
-    effect = FormEffect(form, columns.shape[1])
-    return Candidate(effect, form.formula, [{}], np.zeros(1), columns[:, None, :])
 
 
 def _states(survey: Survey) -> dict[State, np.ndarray]:

@@ -263,10 +263,11 @@ class Forms:
             for form in forms:
                 k, resize = weighing.index_of(form.label), here is start
                 trial = weighing.extend(here, k, resize=resize)
+                if trial.score <= here.score + CLEARLY:
+                    continue
                 proposal = _proposal(weighing, form, here, trial)
                 # what the discrepancy holds as well has to foretell
-                share = proposal.share_left(noise_um)
-                if proposal.odds > CLEARLY and share < (1.0 if resize else _HALVED):
+                if proposal.share_left(noise_um) < (1.0 if resize else _HALVED):
                     found.append(proposal)
         told = _told(found, len(weighing.survey))
         return tuple(replace(p, form=self._columns.held(p.form)) for p in told)
@@ -342,5 +343,6 @@ def _complexity(proposal: Proposal) -> tuple[int, int, float]:
 
 
 def _two_views(here: Explanation) -> list[Explanation]:
-    """An explanation as it is, and beside a discrepancy that leaves forms to show."""
-    return [here, beside_little(here)]
+    """An explanation as it is, and beside a discrepancy that leaves forms to show, if it hides."""
+    little = beside_little(here)
+    return [here] if little.posterior.sizes == here.posterior.sizes else [here, little]

@@ -11,14 +11,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vmach.diagnosis.inference.bank import Bank
+from vmach.diagnosis.inference.bank import apart
 from vmach.diagnosis.inference.rules import CLEARLY
 from vmach.diagnosis.inference.weighing import Explanation, Weighing
 from vmach.diagnosis.proposals.form import Form
 from vmach.diagnosis.proposals.form_columns import FormColumns
 from vmach.fit.base import Base
+from vmach.fit.evidence import Evidence
 from vmach.fit.marginal_likelihood import Effects, Posterior
 from vmach.fit.noise.discrepancy import Members
+from vmach.fit.signature_group import SignatureGroup
 from vmach.fit.sizes import Sizes
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import share_within
@@ -34,8 +36,8 @@ TIE = 5
 _LOOKED_THROUGH = 3000
 #: numbers that products of forms may take up while they are kept
 _ROOM = 25_000_000
-#: forms that are weighed together
-_AT_ONCE = 500
+#: numbers of forms that are weighed together, 24 MB
+_AT_ONCE = 3_000_000
 
 
 class LeadingForms:
@@ -51,22 +53,22 @@ class LeadingForms:
     def __init__(self, weighing: Weighing, columns: FormColumns) -> None:
         self._columns = columns
         self._screen = _Screen(weighing)
-        self._banks: list[tuple[list[Form], Bank]] = []
+        self._banks: list[_Bank] = []
         self._listed = 0
 
     def of(self, views: Sequence[Explanation], most: int) -> list[Form]:
         """Forms worth a fit beside an explanation, so many at most from each view of it."""
         seen = [self._screen.posterior(v.posterior.sizes, v.posterior.effects) for v in views]
-        gains: list[list[float]] = [[] for _ in seen]
+        of_effects = [apart(view) for view in seen]
+        gains: list[list[np.ndarray]] = [[] for _ in seen]
         forms: list[Form] = []
-        for some, bank in self._weighed():
-            forms += some
-            price = np.log([form.looked_at for form in some])
-            for view, gain in zip(seen, gains, strict=True):
-                gain += (bank.evidence(view).log_factor[:, 0] - price).tolist()
+        for bank in self._weighed():
+            forms += bank.forms
+            for view, own, gain in zip(seen, of_effects, gains, strict=True):
+                gain.append(bank.gains(view, *own))
         chosen: list[Form] = []
         for gain in gains:
-            taken = self._most_probable(forms, np.round(gain, TIE), most)
+            taken = self._most_probable(forms, np.round(np.concatenate(gain), TIE), most)
             chosen += [form for form in taken if form not in chosen]
         return [form for form in chosen if form.label not in views[0].labels]
 
@@ -90,18 +92,55 @@ class LeadingForms:
                 taken.append(one)
         return [alike.simplest for alike in taken]
 
-    def _weighed(self) -> Iterator[tuple[list[Form], Bank]]:
+    def _weighed(self) -> Iterator[_Bank]:
         """Forms with their products, kept for the next time where there is room for them."""
         yield from self._banks
-        forms, room = self._columns.forms, _ROOM // len(self._screen.base.y)
-        for k in range(self._listed, len(forms), _AT_ONCE):
-            new = forms[k : k + _AT_ONCE]
-            some, candidates = self._columns.shown(new, self._screen.rows)
-            weighed = (some, Bank(self._screen.base, candidates))
+        forms, count = self._columns.forms, len(self._screen.base.y)
+        room, many = _ROOM // count, max(_AT_ONCE // count, 1)
+        for k in range(self._listed, len(forms), many):
+            new = forms[k : k + many]
+            weighed = _Bank(self._screen, self._columns, new)
             if k == self._listed and k + len(new) < room:
                 self._banks.append(weighed)
                 self._listed += len(new)
             yield weighed
+
+
+class _Bank:
+    """Those of some forms that readings show, weighed together.
+
+    Parameters
+    ----------
+    screen : _Screen
+        The readings.
+    columns : FormColumns
+    forms : sequence of Form
+
+    Attributes
+    ----------
+    forms : list of Form
+        That are shown, in their order.
+    """
+
+    def __init__(self, screen: _Screen, columns: FormColumns, forms: Sequence[Form]) -> None:
+        self._groups, listed = [], []
+        for numbers, blocks in columns.shown(forms, screen.rows):
+            rows = [block.reshape(-1, block.shape[2]) for block in blocks]
+            none = [np.zeros(1)] * len(numbers)
+            self._groups.append(SignatureGroup(screen.base, rows, none, blocks[0].shape[1]))
+            listed += numbers
+        self._place = np.argsort(np.array(listed, dtype=int))
+        self.forms = [forms[k] for k in sorted(listed)]
+        self._price = np.log([form.looked_at for form in self.forms])
+
+    def gains(self, posterior: Posterior, taken: np.ndarray, seen: np.ndarray) -> np.ndarray:
+        """Log evidence of each beside a posterior, less what it costs to have tried many, (F,).
+
+        Its effects take (r, e) of white columns, and (e,) of the readings.
+        """
+        back = posterior.base.back(taken)
+        parts = [group.evidence(posterior.members, back, seen) for group in self._groups]
+        return Evidence.joined(parts, self._place).log_factor[:, 0] - self._price
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,8 @@ Source: closed form derived here: least squares with a normal prior of each amou
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from vmach.diagnosis.proposals.form import USUAL_UM
@@ -28,25 +30,20 @@ def matched_power(seen: np.ndarray, gram: np.ndarray) -> np.ndarray:
     return (seen * np.linalg.solve(gram + prior, seen[:, :, None])[:, :, 0]).sum(axis=1)
 
 
-def peaks(
-    power: np.ndarray, shared: np.ndarray, most: int, *, length: np.ndarray | None = None
-) -> list[int]:
+def peaks(power: np.ndarray, cosine: Callable[[int], np.ndarray], most: int) -> list[int]:
     """The trials of most power, none of which shares half of its readings with an earlier one.
 
     Parameters
     ----------
     power : (T,) float64
-    shared : (T, n) float64
-        Weights of the readings in each trial.
+    cosine : callable
+        Of the weights of the readings in a trial with those in all, (T,).
     most : int
-    length : (T,) float64, optional
-        Norms of the weights, where they are known.
     """
-    length = np.linalg.norm(shared, axis=1) if length is None else length
     left, found = power.copy(), []
-    while len(found) < most and left.max(initial=0.0) > 0.0:
-        best = int(np.argmax(left))
-        found.append(best)
-        cosine = shared @ shared[best] / np.maximum(length * length[best], 1e-300)
-        left[cosine > 0.5] = 0.0
+    while left.max(initial=0.0) > 0.0:
+        found.append(int(np.argmax(left)))
+        if len(found) == most:
+            break
+        left[cosine(found[-1]) > 0.5] = 0.0
     return found

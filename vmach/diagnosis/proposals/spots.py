@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import minimize
 
 from vmach.diagnosis.proposals.matched import matched_power, peaks
+from vmach.diagnosis.proposals.simplexes import lowest_near
 from vmach.diagnosis.proposals.states import Direction, State
 from vmach.fit.survey import Survey
 
@@ -19,7 +19,7 @@ __all__ = ["Spots"]
 _WIDTHS_MM = (25.0, 50.0, 100.0)
 #: places of a bump in its standard deviation
 _FINER = 2
-#: trials at most of the finest raster, which with its readings takes up 64 MB
+#: trials at most of the finest raster
 _MOST_TRIALS = 4000
 #: peaks of each direction that are put on the list
 _PEAKS = 2
@@ -27,8 +27,8 @@ _PEAKS = 2
 _EVALUATED = 80
 #: readings at most that places are looked for on
 _LOOKED_THROUGH = 1000
-#: trials that are worked out together
-_AT_ONCE = 200
+#: extent of a simplex that has arrived, in standard deviations of the bump
+_NEAR = 0.02
 #: where a reading is, by whether the direction is that of a surface
 _FRAMES = {True: "path.on_part_mm", False: "path.nose_mm"}
 
@@ -68,47 +68,55 @@ class Spots:
             What is not explained.
         """
         reading = left_mm[self._rows] / self._unit
-        for direction, own in self._filters.items():
-            trials = own.trials
-            found = own.power(reading)
-            for k in peaks(found, trials.height, _PEAKS, length=trials.length):
-                near = trials.centres_mm[k], trials.widths_mm[k]
-                centre, width = own.best_near(reading, *near)
-                looked_at = len(trials.widths_mm) / _FINER**2
-                yield _state(_FRAMES[direction.needs_surface], centre, width, looked_at), direction
+        near = [
+            (direction, _Bump(own, own.trials.centres_mm[k], float(own.trials.widths_mm[k])))
+            for direction, own in self._filters.items()
+            for k in peaks(own.power(reading), own.trials.cosines, _PEAKS)
+        ]
+        places: dict[int, tuple[np.ndarray, float]] = {}
+        for wide in {bump.filter.sensed.shape[1] for _, bump in near}:
+            alike = [k for k, (_, bump) in enumerate(near) if bump.filter.sensed.shape[1] == wide]
+            found = _best_near([near[k][1] for k in alike], reading)
+            places |= dict(zip(alike, found, strict=True))
+        for k, (direction, bump) in enumerate(near):
+            looked_at = len(bump.filter.trials.widths_mm) / _FINER**2
+            yield _state(_FRAMES[direction.needs_surface], *places[k], looked_at), direction
 
 
 @dataclass(frozen=True)
 class _Trials:
-    """Bumps over the places (n, 2) mm of readings.
+    """Bumps over the places (n, 2) mm of readings, on a raster of each width.
 
     Attributes
     ----------
     place_mm : (n, 2) float64
     centres_mm, widths_mm : (T, 2), (T,) float64
-    height : (T, n) float64
-        At the readings.
+    along : list of ((I, n) float64, (J, n) float64)
+        Of each width, heights at the readings along X and Y, whose products are the bumps'.
     """
 
     place_mm: np.ndarray
     centres_mm: np.ndarray
     widths_mm: np.ndarray
-    height: np.ndarray
+    along: list[tuple[np.ndarray, np.ndarray]]
+
+    def sums(self, values: np.ndarray) -> np.ndarray:
+        """Products of the heights of each with values (n,), (T,)."""
+        return np.concatenate([((x * values) @ y.T).ravel() for x, y in self.along])
+
+    def sums_of_squares(self, values: np.ndarray) -> np.ndarray:
+        """The same of the squares of the heights, (T,)."""
+        return np.concatenate([((x * x * values) @ (y * y).T).ravel() for x, y in self.along])
 
     @cached_property
-    def length(self) -> np.ndarray:
+    def _length(self) -> np.ndarray:
         """Root of the sum of the squares of each, (T,)."""
-        return np.linalg.norm(self.height, axis=1)
+        return np.sqrt(self.sums_of_squares(np.ones(len(self.place_mm))))
 
-    def height_of(self, centre_mm: np.ndarray, width_mm: float) -> np.ndarray:
-        """Of another bump at the readings, (n,)."""
-        x, y = self._across - centre_mm[:, None]
-        return np.exp((x * x + y * y) / (-2.0 * width_mm**2))
-
-    @cached_property
-    def _across(self) -> np.ndarray:
-        """The places, each coordinate together, (2, n) mm."""
-        return np.ascontiguousarray(self.place_mm.T)
+    def cosines(self, k: int) -> np.ndarray:
+        """Of the heights of one of them with those of all, (T,)."""
+        own = _heights(self.place_mm.T[None], self.centres_mm[[k]], self.widths_mm[[k]])[0]
+        return self.sums(own) / np.maximum(self._length * self._length[k], 1e-300)
 
     @classmethod
     def over(cls, place_mm: np.ndarray) -> _Trials:
@@ -116,18 +124,25 @@ class _Trials:
         low, high = place_mm.min(axis=0), place_mm.max(axis=0)
         finest = float(np.prod((high - low) * _FINER / _WIDTHS_MM[0] + 2.0))
         wider = max(1.0, np.sqrt(finest / _MOST_TRIALS))
-        centres, widths, heights = [], [], []
+        centres, widths, along = [], [], []
         for width in wider * np.array(_WIDTHS_MM):
             counts = np.ceil((high - low) * _FINER / width).astype(int) + 1
             x, y = (np.linspace(a, b, n) for a, b, n in zip(low, high, counts, strict=True))
-            along = [
-                np.exp(-0.5 * ((place_mm[:, k] - line[:, None]) / width) ** 2)
-                for k, line in enumerate((x, y))
-            ]
+            across = ((place_mm[:, k] - line[:, None]) / width for k, line in enumerate((x, y)))
+            along_x, along_y = (np.exp(-0.5 * away**2) for away in across)
             centres.append(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2))
             widths.append(np.full(len(x) * len(y), width))
-            heights.append((along[0][:, None] * along[1]).reshape(-1, len(place_mm)))
-        return cls(place_mm, np.vstack(centres), np.concatenate(widths), np.vstack(heights))
+            along.append((along_x, along_y))
+        return cls(place_mm, np.vstack(centres), np.concatenate(widths), along)
+
+
+def _heights(across_mm: np.ndarray, centres_mm: np.ndarray, widths_mm: np.ndarray) -> np.ndarray:
+    """Of M bumps at readings whose X and Y are (M, 2, n) mm, (M, n)."""
+    away = across_mm - centres_mm[:, :, None]
+    away *= away
+    squared = away[:, 0] + away[:, 1]
+    squared /= -2.0 * widths_mm[:, None] ** 2
+    return np.exp(squared, out=squared)
 
 
 @dataclass(frozen=True)
@@ -145,7 +160,7 @@ class _Filter:
     sensed: np.ndarray
 
     @cached_property
-    def _products(self) -> np.ndarray:
+    def products(self) -> np.ndarray:
         """Of what is sensed with each other, (n, D D)."""
         products = self.sensed[:, :, None] * self.sensed[:, None, :]
         return products.reshape(len(products), -1)
@@ -153,39 +168,58 @@ class _Filter:
     @cached_property
     def _gram(self) -> np.ndarray:
         """Of the trials, (T, D, D)."""
-        height = self.trials.height
-        some = [height[k : k + _AT_ONCE] for k in range(0, len(height), _AT_ONCE)]
-        return np.concatenate([self._gram_of(own) for own in some])
-
-    def _gram_of(self, height: np.ndarray) -> np.ndarray:
-        """Of bumps whose heights at the readings are (T, n), (T, D, D)."""
-        wide = self.sensed.shape[1]
-        return (height**2 @ self._products).reshape(-1, wide, wide)
+        gram = [self.trials.sums_of_squares(own) for own in self.products.T]
+        return np.stack(gram, axis=1).reshape(-1, *(self.sensed.shape[1],) * 2)
 
     def power(self, reading: np.ndarray) -> np.ndarray:
         """Of all trials, (T,), for readings (n,)."""
-        return matched_power(self.trials.height @ self._seen(reading), self._gram)
+        seen = [self.trials.sums(own * reading) for own in self.sensed.T]
+        return matched_power(np.stack(seen, axis=1), self._gram)
 
-    def _seen(self, reading: np.ndarray) -> np.ndarray:
-        """Products of every sensed displacement with readings (n,), (n, D)."""
-        return self.sensed * reading[:, None]
 
-    def best_near(
-        self, reading: np.ndarray, centre: np.ndarray, width: float
-    ) -> tuple[np.ndarray, float]:
-        """Centre and standard deviation of the most power near some on the raster, mm."""
-        seen = self._seen(reading)
+@dataclass(frozen=True)
+class _Bump:
+    """A bump of much power on the raster.
 
-        def at(step: np.ndarray) -> tuple[np.ndarray, float]:
-            return centre + width * step[:2], width * 2.0 ** float(np.clip(step[2], -1.0, 1.0))
+    Attributes
+    ----------
+    filter : _Filter
+    centre_mm : (2,) float64
+    width_mm : float
+    """
 
-        def cost(step: np.ndarray) -> float:
-            height = self.trials.height_of(*at(step))[None]
-            return -float(matched_power(height @ seen, self._gram_of(height))[0])
+    filter: _Filter
+    centre_mm: np.ndarray
+    width_mm: float
 
-        simplex = np.vstack([np.zeros(3), 0.5 * np.eye(3)])
-        options = {"maxfev": _EVALUATED, "initial_simplex": simplex, "xatol": 0.02}
-        return at(minimize(cost, np.zeros(3), method="Nelder-Mead", options=options).x)
+
+def _best_near(bumps: Sequence[_Bump], reading: np.ndarray) -> list[tuple[np.ndarray, float]]:
+    """Centres and standard deviations of the most power near bumps on the raster, mm.
+
+    Parameters
+    ----------
+    bumps : sequence of _Bump
+        In equally many directions each.
+    reading : (n,) float64
+    """
+    centres, widths = (np.array([getattr(b, n) for b in bumps]) for n in ("centre_mm", "width_mm"))
+    across = np.stack([bump.filter.trials.place_mm.T for bump in bumps])
+    seen = np.stack([bump.filter.sensed.T * reading for bump in bumps])
+    products = np.stack([bump.filter.products.T for bump in bumps])
+
+    def at(step: np.ndarray, which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        wide = widths[which] * 2.0 ** np.clip(step[:, 2], -1.0, 1.0)
+        return centres[which] + widths[which, None] * step[:, :2], wide
+
+    def cost(step: np.ndarray, which: np.ndarray) -> np.ndarray:
+        height = _heights(across[which], *at(step, which))[:, :, None]
+        gram = (products[which] @ height**2).reshape(len(step), *(seen.shape[1],) * 2)
+        return -matched_power((seen[which] @ height)[:, :, 0], gram)
+
+    simplex = np.vstack([np.zeros(3), 0.5 * np.eye(3)])
+    step = lowest_near(cost, simplex, len(bumps), near=_NEAR, most=_EVALUATED)
+    best, wide = at(step, np.arange(len(bumps)))
+    return list(zip(best, wide.tolist(), strict=True))
 
 
 def _state(frame: str, centre: np.ndarray, width: float, looked_at: float) -> State:

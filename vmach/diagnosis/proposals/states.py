@@ -76,6 +76,9 @@ class State:
     axis: str = ""
     near: tuple[State, ...] = ()
 
+    def __hash__(self) -> int:
+        return hash(self.code)  # asked for thousands of times
+
     @property
     def needs_surface(self) -> bool:
         """Whether only a machined surface has it."""
@@ -120,6 +123,9 @@ class Direction:
     lever: tuple[str, ...] = ()
     each: tuple[str, ...] = ("",)
     turns_tool: bool = False
+
+    def __hash__(self) -> int:
+        return hash(self.code)  # asked for thousands of times
 
     def at(self, path: Circumstances) -> np.ndarray:
         """Directions, (P, 3, D)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -64,14 +65,28 @@ def _found(
     ends = parts[np.unique(np.linspace(0, len(parts) - 1, _ENDS + 1).astype(int))]
     first, last = (ends[k] for k in np.triu_indices(len(ends), 1))
     taken = power.of(first, last)
-    best = np.argsort(-taken)[:_COMPARED]
-    number = np.arange(len(rows))
-    inside = (number >= first[best, None]) & (number < last[best, None])
+    best = np.argpartition(-taken, min(_COMPARED, len(taken) - 1))[:_COMPARED]
+    best = best[np.argsort(-taken[best])]
+    compared = _Cosines(first[best], last[best])
     cuts = np.concatenate([[0.0], 0.5 * (times[1:] + times[:-1]), [np.inf]])
-    for k in best[peaks(taken[best], inside.astype(np.float64), _PEAKS)]:
+    for k in best[peaks(taken[best], compared.of, _PEAKS)]:
         start, end = power.best_near(first[k], last[k], ends, parts)
         if (start, end) != (0, len(rows)):
             yield float(cuts[start]), float(cuts[end]), float(len(first))
+
+
+@dataclass(frozen=True)
+class _Cosines:
+    """How much T stretches share, from one reading each to before another, (T,)."""
+
+    first: np.ndarray
+    last: np.ndarray
+
+    def of(self, k: int) -> np.ndarray:
+        """Readings that each shares with one, of the geometric mean of their numbers, (T,)."""
+        first, last = np.maximum(self.first, self.first[k]), np.minimum(self.last, self.last[k])
+        count = self.last - self.first
+        return np.maximum(last - first, 0) / np.sqrt(count * count[k])
 
 
 class _Power:

@@ -1,14 +1,12 @@
 """Waves whose period nobody knows: where the periodogram of what is left has its peaks.
 
 Source: T. Deeming, Astrophys. Space Sci. 36 (1975) 137 (Fourier analysis of readings that are not
-equally spaced: their gaps leak into other frequencies, so that several peaks are tried);
-M. Zechmeister and M. Kürster, Astron. Astrophys. 496 (2009) 577 (the frequency of least squares,
-beside a mean; here beside the alignment).
+equally spaced: their gaps leak into other frequencies, so that several peaks are tried).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,14 +20,15 @@ from vmach.diagnosis.proposals.states import (
     Direction,
     State,
 )
+from vmach.diagnosis.proposals.wave_fits import FINER, WaveFits
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import orthonormal
 from vmach.machine import LINEAR_AXES
 
 __all__ = ["wave_states"]
 
-#: cells of the raster in the shortest period, and frequencies in one of independent ones
-_CELLS, _FINER = 4, 4
+#: cells of the raster in the shortest period
+_CELLS = 4
 #: frequencies at most; beyond, the shortest waves are left out
 _MOST = 1 << 20
 #: time constants of what rings after a reversal, s; a factor of four apart, the best is never far
@@ -47,12 +46,6 @@ _PEAKS = 2
 _FEW_PLACES = 12
 #: a wave has to go round that often, else it is a trend
 _LEAST_TURNS = 1.5
-#: steps to the frequency of least squares, in cells of the periodogram; the last one turns a wave
-#: by 1/64 over the whole way
-_STEPS = (1.0, 0.25, 0.0625)
-#: share of a wave's squares; what readings see beside the alignment below that is rounding: the
-#: square of single precision, 1e-14, with room for few readings
-_RCOND = 1e-9
 
 
 @dataclass(frozen=True)
@@ -130,9 +123,9 @@ _ARGUMENTS = (
 def wave_states(
     survey: Survey,
     left_mm: np.ndarray,
-    sensed: dict[Direction, np.ndarray],
+    sensed: Mapping[Direction, np.ndarray],
     *,
-    with_high_frequency: bool = True,
+    smooth_mm: np.ndarray | None = None,
 ) -> Iterator[tuple[State, Direction]]:
     """Sine and cosine of the most conspicuous periods, with the direction they show in.
 
@@ -143,11 +136,67 @@ def wave_states(
         What is not explained.
     sensed : mapping of Direction to (n, D) float64
         How readings sense a unit displacement.
-    with_high_frequency : bool
-        Whether waves of an encoder and ringing are sought as well.
+    smooth_mm : (n,) float64, optional
+        What else of the readings is looked at, for waves but those of an encoder and ringing.
     """
-    scale = 1.0 / survey.u_mm
-    alignment = orthonormal((survey.nuisance * scale[:, None])[_spread(len(survey))])
+    asked = [(left_mm, True)]
+    if smooth_mm is not None and not np.array_equal(smooth_mm, left_mm):
+        asked.append((smooth_mm, False))
+    waves = [wave for one in asked for wave in _waves(survey, *one, sensed)]
+    alignment = orthonormal((survey.nuisance / survey.u_mm[:, None])[_spread(len(survey))])
+    found: dict[int, np.ndarray] = {}
+    for wide in {wave.sensed.shape[1] for wave in waves}:
+        alike = [k for k, wave in enumerate(waves) if wave.sensed.shape[1] == wide]
+        leading = _leading([waves[k] for k in alike], alignment)
+        found |= dict(zip(alike, leading, strict=True))
+    for k, wave in enumerate(waves):
+        for frequency in found[k].tolist():
+            yield _state(wave.argument, frequency, wave.span), wave.direction
+
+
+def _spread(count: int) -> slice:
+    """Readings that waves are fitted to, of so many."""
+    return slice(None, None, -(-count // _FITTED_ON))
+
+
+@dataclass(frozen=True)
+class _Wave:
+    """A wave along something, in a direction that readings sense, with peaks of its periodogram.
+
+    Attributes
+    ----------
+    argument : _Argument
+    direction : Direction
+    span : float
+        How far it goes.
+    peaks : list of float
+        Frequencies.
+    along : (m,) float64
+        What it goes along, of the readings that it is fitted to.
+    sensed : (m, D) float64
+        How these sense a unit displacement, in their uncertainties.
+    left : (m,) float64
+        What is not explained, in their uncertainties.
+    """
+
+    argument: _Argument
+    direction: Direction
+    span: float
+    peaks: list[float]
+    along: np.ndarray
+    sensed: np.ndarray
+    left: np.ndarray
+
+
+def _waves(
+    survey: Survey,
+    left_mm: np.ndarray,
+    with_high_frequency: bool,
+    sensed: Mapping[Direction, np.ndarray],
+) -> Iterator[_Wave]:
+    """Waves that what is left (n,) mm may show, along all arguments and in all directions."""
+    rows, unit = _spread(len(survey)), survey.u_mm[:, None]
+    left = left_mm[:, None] / unit
     for argument in _ARGUMENTS:
         if argument.is_high_frequency and not with_high_frequency:
             continue
@@ -158,124 +207,73 @@ def wave_states(
         span = float(np.ptp(along))
         if span < 2.0 * argument.shortest:
             continue
+        raster = _Raster(along, argument)
         for direction in (d for d in argument.directions if d in sensed):
-            seen = sensed[direction] * height
-            if not seen.any():
-                continue
-            wave = _Wave(along, seen * scale[:, None], left_mm * scale, alignment)
-            for frequency in wave.refined(_leading(wave, argument)).tolist():
-                yield _state(argument, frequency, span), direction
+            own = sensed[direction] * height / unit
+            peaks = raster.peaks(left * own) if own.any() else []
+            if peaks:
+                # of many readings, these hold no memory of the others
+                fitted = (np.ascontiguousarray(v[rows]) for v in (along, own, left[:, 0]))
+                yield _Wave(argument, direction, span, peaks, *fitted)
 
 
-def _spread(count: int) -> slice:
-    """Readings that waves are fitted to, of so many."""
-    return slice(None, None, -(-count // _FITTED_ON))
+def _leading(waves: Sequence[_Wave], alignment: np.ndarray) -> list[np.ndarray]:
+    """Frequencies of least squares next to the peaks that explain most, those of each wave."""
+    fits = WaveFits(
+        np.stack([wave.along for wave in waves]),
+        np.stack([wave.sensed for wave in waves]),
+        np.stack([wave.left for wave in waves]),
+        alignment,
+    )
+    counts = np.array([len(wave.peaks) for wave in waves])
+    most = int(counts.max())
+    # where there are fewer, the first fills up
+    peaks = np.array([wave.peaks + wave.peaks[:1] * (most - len(wave.peaks)) for wave in waves])
+    gains = fits.gains(peaks)
+    gains[np.arange(most) >= counts[:, None]] = -np.inf
+    order = np.argsort(-gains, axis=1, kind="stable")[:, :_PEAKS]
+    peaks, gains = (np.take_along_axis(values, order, axis=1) for values in (peaks, gains))
+    cells = np.array([1.0 / (FINER * wave.span) for wave in waves])
+    refined = fits.refined(peaks, gains, cells)
+    return [own[:count] for own, count in zip(refined, counts.tolist(), strict=True)]
 
 
-class _Wave:
-    """A wave along something, in the direction that readings sense.
+class _Raster:
+    """Cells along an argument, over which periodograms are taken.
 
     Parameters
     ----------
     along : (n,) float64
-        What it goes along.
-    sensed : (n, D) float64
-        How readings sense a unit displacement, in their uncertainties.
-    left : (n,) float64
-        What is not explained, in their uncertainties.
-    alignment : (m, a) float64
-        Orthonormal columns of the alignment, where waves are fitted.
+    argument : _Argument
     """
 
-    def __init__(
-        self, along: np.ndarray, sensed: np.ndarray, left: np.ndarray, alignment: np.ndarray
-    ) -> None:
-        self.along, self.span = along, float(np.ptp(along))
-        self.sensed, self.left = sensed, left
-        rows = _spread(len(along))
-        own, beside = sensed[rows], np.column_stack([left[rows], alignment])
-        self._along = along[rows]
-        # products of a sine and a cosine with these are all that a frequency asks for
-        self._squares = (own[:, :, None] * own[:, None, :]).reshape(len(own), -1)
-        self._beside = (own[:, :, None] * beside[:, None, :]).reshape(len(own), -1)
-        self._aligned = alignment.T @ left[rows]
+    def __init__(self, along: np.ndarray, argument: _Argument) -> None:
+        span = float(np.ptp(along))
+        cell = max(argument.shortest / _CELLS, span * FINER / _MOST)
+        self._place = np.rint((along - along.min()) / cell).astype(int)
+        self._count = next_fast_len(int(FINER * (self._place.max() + 1)), real=True)
+        places = int(np.count_nonzero(np.bincount(self._place)))
+        highest = 1.0 / (cell * _CELLS)
+        if places < _FEW_PLACES:
+            highest = min(highest, 0.5 * (places - 1) / span)
+        lowest = max(_LEAST_TURNS / span, 1.0 / argument.longest)
+        self._frequency = np.arange(self._count // 2 + 1) / (self._count * cell)
+        self._is_out = (self._frequency < lowest) | (self._frequency > highest)
 
-    def refined(self, frequencies: np.ndarray) -> np.ndarray:
-        """The frequencies of least squares next to F, uphill in ever smaller steps, (F,).
-
-        To a sixteenth of a cell of the periodogram, so that what is found again is known.
-        """
-        cell, best = 1.0 / (_FINER * self.span), np.zeros(len(frequencies))
-        most = self.gains(frequencies)
-        for step in _STEPS:
-            moving = np.arange(len(frequencies))
-            while len(moving):
-                trials = np.clip(best[moving] + [[-step], [step]], -_FINER, _FINER)
-                gains = self.gains((frequencies[moving] + trials * cell).ravel())
-                gains = gains.reshape(trials.shape)
-                sides = gains.argmax(axis=0), np.arange(len(moving))
-                higher = gains[sides] > most[moving]
-                moving = moving[higher]
-                best[moving], most[moving] = trials[sides][higher], gains[sides][higher]
-        return frequencies + best * cell
-
-    def gains(self, frequencies: np.ndarray) -> np.ndarray:
-        """Sum of squares that each of F waves explains beside the alignment, (F,)."""
-        products, moments = self._normal_equations(frequencies)
-        return np.sum(moments * np.linalg.solve(products, moments[:, :, None])[:, :, 0], axis=1)
-
-    def _normal_equations(self, frequencies: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Of sine and cosine beside the alignment, (F, 2 D, 2 D) and (F, 2 D)."""
-        count, directions = len(frequencies), self.sensed.shape[1]
-        # of a part of a turn single precision is enough, and ten times as fast
-        turns = np.multiply.outer(frequencies, self._along)
-        angle = (2.0 * np.pi * (turns - np.rint(turns))).astype(np.float32)
-        sine, cosine = np.sin(angle).astype(np.float64), np.cos(angle).astype(np.float64)
-        pairs = np.concatenate([sine * sine, sine * cosine, cosine * cosine]) @ self._squares
-        ss, sc, cc = pairs.reshape(3, count, directions, directions)
-        rows = [np.concatenate(row, axis=2) for row in ((ss, sc), (sc, cc))]
-        beside = np.concatenate([sine, cosine]) @ self._beside
-        beside = beside.reshape(2, count, directions, 1 + len(self._aligned))
-        seen, aligned = np.split(np.concatenate(beside, axis=1), [1], axis=2)
-        products = np.concatenate(rows, axis=1)
-        least = _RCOND * np.trace(products, axis1=1, axis2=2)[:, None, None]
-        products += np.maximum(least, 1e-300) * np.eye(2 * directions)
-        products -= aligned @ aligned.transpose(0, 2, 1)
-        return products, seen[:, :, 0] - aligned @ self._aligned
-
-
-def _leading(wave: _Wave, argument: _Argument) -> np.ndarray:
-    """Frequencies of the peaks of the periodogram that explain most, (F,)."""
-    peaks = np.array(_peaks(wave, argument))
-    if not len(peaks):
-        return peaks
-    return peaks[np.argsort(-wave.gains(peaks), kind="stable")[:_PEAKS]]
-
-
-def _peaks(wave: _Wave, argument: _Argument) -> list[float]:
-    """Frequencies of the highest peaks of the periodogram, none beside another."""
-    cell = max(argument.shortest / _CELLS, wave.span * _FINER / _MOST)
-    place = np.rint((wave.along - wave.along.min()) / cell).astype(int)
-    count = next_fast_len(int(_FINER * (place.max() + 1)), real=True)
-    weights = (wave.left[:, None] * wave.sensed).T
-    rasters = (np.bincount(place, one).astype(np.float32) for one in weights)
-    heights = [np.abs(rfft(raster, count)) for raster in rasters]
-    power = np.sum(np.square(heights, dtype=np.float64), axis=0)
-    frequency = np.arange(len(power)) / (count * cell)
-    lowest = max(_LEAST_TURNS / wave.span, 1.0 / argument.longest)
-    places = len(np.unique(place))
-    highest = 1.0 / (cell * _CELLS)
-    if places < _FEW_PLACES:
-        highest = min(highest, 0.5 * (places - 1) / wave.span)
-    power[(frequency < lowest) | (frequency > highest)] = 0.0
-    found = []
-    for _ in range(_FITTED):
-        best = int(np.argmax(power))
-        if power[best] == 0.0:
-            break
-        found.append(float(frequency[best]))
-        power[max(best - _FINER, 0) : best + _FINER + 1] = 0.0
-    return found
+    def peaks(self, weights: np.ndarray) -> list[float]:
+        """Frequencies of the highest peaks of the periodogram of (n, D), none beside another."""
+        rasters = (np.bincount(self._place, one).astype(np.float32) for one in weights.T)
+        heights = [np.abs(rfft(raster, self._count)) for raster in rasters]
+        power = np.sum(np.square(heights, dtype=np.float64), axis=0)
+        power[self._is_out] = 0.0
+        found = []
+        for _ in range(_FITTED):
+            best = int(np.argmax(power))
+            if power[best] == 0.0:
+                break
+            found.append(float(self._frequency[best]))
+            power[max(best - FINER, 0) : best + FINER + 1] = 0.0
+        return found
 
 
 def _state(argument: _Argument, frequency: float, span: float) -> State:
