@@ -41,4 +41,3 @@ def test_each_goes_the_way_of_a_simplex_of_its_own(most):
         )
         np.testing.assert_allclose(point, alone.x, atol=1e-12)
         assert asked[k] == alone.nfev
-
