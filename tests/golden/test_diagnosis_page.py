@@ -185,7 +185,7 @@ def test_interrupted_page_leaves_nothing(job, tmp_path, monkeypatch, capsys):
     def fail(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("vmach.diagnosis.results.write_diagnosis_page", fail)
+    monkeypatch.setattr("vmach.diagnosis.page.write_diagnosis_page", fail)
     with pytest.raises((KeyboardInterrupt, SystemExit)):
         run_vmach(monkeypatch, capsys, "diagnose", job, "--out", tmp_path / "out")
         raise SystemExit

@@ -3,6 +3,8 @@
 Only inner products of the signatures with each other, with the members' columns and with the
 readings enter. Those with the members are worked out when members are first there; effects change
 all of them by a matrix of low rank.
+
+Source: closed form derived here: what normal variables of unit variance take of inner products.
 """
 
 from __future__ import annotations
