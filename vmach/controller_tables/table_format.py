@@ -19,6 +19,7 @@ from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
 
 __all__ = [
+    "LARGEST",
     "UNLIMITED_ENTRIES",
     "AppliedTables",
     "HeldErrors",
@@ -27,6 +28,8 @@ __all__ = [
     "projected",
 ]
 
+#: largest error of a table that is believed, mm or rad; chosen: a thousand times what is usual
+LARGEST = 10.0
 #: tables whose largest entry is below this share of the tolerance are left out
 _NEGLIGIBLE = 0.1
 #: of one table, where the control sets no limit

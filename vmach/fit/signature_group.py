@@ -18,10 +18,10 @@ from vmach.fit.base import Base, SizedMembers
 from vmach.fit.evidence import Evidence, evidence_at_places
 from vmach.fit.remembered import Remembered
 
-__all__ = ["SignatureGroup", "Taken"]
+__all__ = ["CACHED", "SignatureGroup", "Taken"]
 
 #: numbers that are worked on together, so few that they stay near the processor
-_CACHED = 200_000
+CACHED = 200_000
 #: numbers up to which signatures are kept wide, 32 MB
 _KEPT_WIDE = 4_000_000
 #: sizes of members beside which products are kept: those of an explanation, and little ones
@@ -52,7 +52,7 @@ class SignatureGroup:
         terms: int,
     ) -> None:
         self._base, self._log_priors, self._terms = base, log_priors, terms
-        self._rows = list(_at_once(raw_mm, terms * max(_CACHED // (terms * len(base.survey)), 1)))
+        self._rows = list(_at_once(raw_mm, terms * max(CACHED // (terms * len(base.survey)), 1)))
         if sum(rows.size for rows in self._rows) < _KEPT_WIDE:
             self._rows = [rows.astype(np.float64, copy=False) for rows in self._rows]
         parts = [self._beside_nuisance(rows) for rows in self._rows]

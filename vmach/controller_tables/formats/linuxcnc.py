@@ -24,7 +24,13 @@ import numpy as np
 
 from vmach.controller_tables.knots import Knots
 from vmach.controller_tables.projection import AxisTable, Term
-from vmach.controller_tables.table_format import HeldErrors, TableFormat, error_name, projected
+from vmach.controller_tables.table_format import (
+    LARGEST,
+    HeldErrors,
+    TableFormat,
+    error_name,
+    projected,
+)
 from vmach.controller_tables.table_task import TableTask
 from vmach.errors import InputError
 from vmach.files.text_file import decimal_number, read_text
@@ -34,8 +40,6 @@ __all__ = ["FORMATS", "MOST_ENTRIES", "ScrewCompensation", "read_linuxcnc", "wri
 MOST_ENTRIES = 256
 _AXES = "XYZ"
 _MILLIMETRES = ("mm", "metric")
-#: largest correction that is believed
-_LARGEST_MM = 10.0
 _STOPS = "LinuxCNC stops reading at the first line that is not three numbers"
 _COMMENT = """# What stands below the numbers is not read by LinuxCNC.
 # COMP_FILE_TYPE = {type}: {meaning}; mm, machine coordinates of joint {axis}.
@@ -165,7 +169,7 @@ def _triplets(path: Path, file_type: int) -> np.ndarray:
         if rows and nominal <= rows[-1][0]:
             raise InputError(f"nominal {nominal:g} does not increase", file=path, line=number)
         trims = (nominal - up, nominal - down) if file_type == 0 else (up, down)
-        if max(map(abs, trims)) > _LARGEST_MM:
+        if max(map(abs, trims)) > LARGEST:
             raise _other_type(line, file_type, path, number)
         rows.append((nominal, *trims))
     if not 1 <= len(rows) <= MOST_ENTRIES:
@@ -192,7 +196,7 @@ def _other_type(line: str, file_type: int, path: Path, number: int) -> InputErro
     """A trim that no screw needs: the numbers are of the other type."""
     other = 1 - file_type
     return InputError(
-        f"'{line.strip()}' is a correction above {_LARGEST_MM:g} mm with COMP_FILE_TYPE = "
+        f"'{line.strip()}' is a correction above {LARGEST:g} mm with COMP_FILE_TYPE = "
         f"{file_type}",
         file=path, line=number, accepted=f"type {file_type}: {_MEANING[file_type]}",
         hint=f"type {other} is: {_MEANING[other]}",

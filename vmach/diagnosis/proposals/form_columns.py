@@ -33,6 +33,7 @@ from vmach.diagnosis.proposals.stretches import stretch_states
 from vmach.diagnosis.proposals.touched_zeros import TouchedZeros
 from vmach.diagnosis.proposals.waves import wave_states
 from vmach.fit.candidates import Candidate
+from vmach.fit.signature_group import CACHED
 from vmach.fit.survey import Survey
 from vmach.fit.whitening import orthonormal
 
@@ -52,8 +53,6 @@ _WIDEST_GAP = 1.0 / HALF_TURNS
 #: motion, which is of places by definition (ISO 230-1); chosen: a wave in time as long as runs out
 #: and back does so to 0.99, one that has nothing to do with them to 0.8 at most
 _OF_TABLE = 0.9
-#: numbers that are worked on together, so few that they stay near the processor
-_CACHED = 200_000
 #: a form that differs by less than this among the readings, mm, does not show
 _BLIND_MM = 1e-9
 
@@ -218,7 +217,7 @@ class FormColumns:
             values = self._sensed[form.direction], *(self._states[s] for s in form.both)
             alike.setdefault(tuple(value.shape[1] for value in values), []).append(k)
         for shape, own in alike.items():
-            many = max(_CACHED // (len(self._survey) * int(np.prod(shape))), 1)
+            many = max(CACHED // (len(self._survey) * int(np.prod(shape))), 1)
             numbers, blocks = [], []
             for some in (own[k : k + many] for k in range(0, len(own), many)):
                 found = self._rows([forms[k] for k in some], rows)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vmach.controller_tables.table_format import HeldErrors, TableFormat
+from vmach.controller_tables.table_format import LARGEST, HeldErrors, TableFormat
 from vmach.controller_tables.table_formats import FORMATS
 from vmach.errors import InputError
 from vmach.importers.component_table import error_section, runs_text
@@ -22,9 +22,7 @@ from vmach.machine.tables.runs import Runs
 
 __all__ = ["ControllerTables"]
 
-#: largest error of a table that is believed, mm or rad
-_LARGEST = 10.0
-#: of a squareness, rad
+#: largest squareness that is believed, rad
 _LARGEST_RAD = 0.1
 
 
@@ -57,8 +55,8 @@ class ControllerTables(Importer):
         sections: list[Section] = []
         for name, (position, forward, backward) in held.tables.items():
             factor = convention.factor(name) * (1e6 if component_of(name)[2] else 1e3)
-            if max(np.max(abs(forward)), np.max(abs(backward))) > _LARGEST:
-                raise source.error(f"{name} is above {_LARGEST:g} mm", accepted="tables in mm")
+            if max(np.max(abs(forward)), np.max(abs(backward))) > LARGEST:
+                raise source.error(f"{name} is above {LARGEST:g} mm", accepted="tables in mm")
             file = f"errors/{name}.csv"
             files[file] = runs_text(Runs(position, factor * forward, factor * backward), name)
             sections += error_section(name, file, _stated_at_nose(questions, held))
