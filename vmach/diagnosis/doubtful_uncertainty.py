@@ -1,7 +1,7 @@
 """Is the stated uncertainty of the readings right? By what an explanation leaves of them.
 
-All measurements share one unknown factor of their uncertainties. Where that of one of them is
-wrong, it counts too much or too little beside the others, and an effect may be told for it.
+All measurements share one unknown factor of their uncertainties, and each has one of its own where
+its readings show it. A wrong one is asked about all the same: it may hide what nobody models.
 
 Source: closed form derived here: the median of absolute normal values is 0.6745 of their standard
 deviation.
@@ -15,6 +15,7 @@ import numpy as np
 
 from vmach.base.note import Kind, Note
 from vmach.diagnosis.inference.verdicts import Inference
+from vmach.fit.noise.own_scale import AS_STATED, MEDIAN_OF_NORMAL
 
 __all__ = ["TOO_LOUD", "doubtful_uncertainty"]
 
@@ -28,7 +29,6 @@ _OF_ITS_OWN = 2.0
 _FEW = 20
 #: readings that leave less of their uncertainty are what was predicted
 _EXACT = 1e-3
-_MEDIAN_OF_NORMAL = 0.6745
 
 
 def doubtful_uncertainty(found: Inference) -> Iterator[Note]:
@@ -36,10 +36,10 @@ def doubtful_uncertainty(found: Inference) -> Iterator[Note]:
     yield from _of_all(found)
     measurements = found.weighing.survey.measurements
     if len(measurements) > 1:
-        scatter = _scatter(found)
+        scatter, is_own = _scatter(found), not found.weighing.base.noise.own_scale.is_as(AS_STATED)
         for k, measurement in enumerate(measurements):
             others = np.concatenate(scatter[:k] + scatter[k + 1 :])
-            yield from _of_one(measurement.name, scatter[k], others)
+            yield from _of_one(measurement.name, scatter[k], others, is_own=is_own)
 
 
 def _of_all(found: Inference) -> Iterator[Note]:
@@ -61,24 +61,30 @@ def _of_all(found: Inference) -> Iterator[Note]:
 def _scatter(found: Inference) -> list[np.ndarray]:
     """What is left of the readings of each measurement, in stated standard uncertainties."""
     posterior, survey = found.told.posterior, found.weighing.survey
-    left = np.abs(found.weighing.base.noise.standardised(posterior.left))
+    noise = found.weighing.base.noise
+    left = np.abs(noise.standardised(posterior.left)) * noise.own_scale.of_readings
     return [posterior.sizes.factor * left[rows] for rows in survey.rows]
 
 
-def _of_one(name: str, own: np.ndarray, others: np.ndarray) -> Iterator[Note]:
-    """A question where one measurement scatters otherwise than it says, and the others do not."""
+def _of_one(name: str, own: np.ndarray, others: np.ndarray, *, is_own: bool) -> Iterator[Note]:
+    """A question where one measurement scatters otherwise than it says, and the others do not.
+
+    Its own scatter may have counted.
+    """
     if min(len(own), len(others)) < _FEW:
         return
-    here, there = (float(np.median(values)) / _MEDIAN_OF_NORMAL for values in (own, others))
+    here, there = (float(np.median(values)) / MEDIAN_OF_NORMAL for values in (own, others))
     if here < min(_TOO_QUIET, there / _OF_ITS_OWN):
         how, size, whose = f"{1.0 / max(here, _EXACT):.3g} times less", "large", "of the others"
     elif here > max(_ONE_TOO_LOUD, there * _OF_ITS_OWN):
         how, size, whose = f"{here:.3g} times more", "small", "of these readings"
     else:
         return
+    counted = f"an effect may be told for the noise {whose}"
+    if is_own:
+        counted = "the scatter that they show is what counted"
     said = (
         f"its readings scatter {how} than its u_um says, those of the other measurements "
-        f"{there:.2g} times what theirs says: is its u_um too {size}? "
-        f"An effect may be told for the noise {whose}"
+        f"{there:.2g} times what theirs says: is its u_um too {size}? Here {counted}"
     )
     yield Note.question(Kind.SCATTER, said, here, "1", place="u_um", file=name)

@@ -78,7 +78,7 @@ class Base:
         left, size, _ = np.linalg.svd(nuisance[:, there] / norms[there], False)
         seen = size > 1e-9 * max(np.max(size, initial=0.0), 1e-300)
         self.free = left[:, seen]
-        self.constant = noise.log_prior - 0.5 * noise.log_determinant
+        self.constant = noise.log_prior + noise.own_scale.log_prior - 0.5 * noise.log_determinant
         self.constant -= float(np.log(size[seen]).sum())
         self.constant -= float(np.log(norms[there]).sum())
         self.y = self.white(survey.residual_mm[:, None])[:, 0]

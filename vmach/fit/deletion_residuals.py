@@ -12,7 +12,6 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from vmach.fit.marginal_likelihood import Posterior
-from vmach.fit.noise.feature_noise import FeatureNoise
 
 __all__ = ["deletion_residuals"]
 
@@ -31,11 +30,10 @@ def deletion_residuals(posterior: Posterior) -> np.ndarray:
     As if it weighed as much as any other: one that weighs little is not hidden by that.
     """
     base, factor = posterior.base, posterior.sizes.factor
-    noise, u_mm = base.noise, base.survey.u_mm
-    assert isinstance(noise, FeatureNoise)
+    noise = base.noise
 
     def back(white: np.ndarray) -> np.ndarray:
-        return u_mm[:, None] * noise.back(white)
+        return noise.shown_mm[:, None] * noise.back(white)
 
     precision = noise.precisions - _squares(back(base.free))
     members, effects, root = posterior.members, posterior.effects.columns.white, posterior.root

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["ABSENT", "USUAL_SIZE", "Sizes"]
+__all__ = ["ABSENT", "LOG_FACTOR", "USUAL_SIZE", "Sizes"]
 
 #: prior of the logarithm of the factor on u: stated uncertainties are right within a factor of 2
-_LOG_FACTOR = float(np.log(2.0))
+LOG_FACTOR = float(np.log(2.0))
 #: prior of a member's size, in u: falls off as the fifth power beyond this. What nobody models is
 #: of the order of u; a lighter tail would leave it what slow effects do to a few floors. Imitations
 #: of something larger are told by their size and by forms, not by this
@@ -55,21 +55,21 @@ class Sizes:
             Size of each member from which on it falls off as a normal one, in uncertainties as
             they are: factor times u. May be infinite.
         """
-        of_factor = -0.5 * (np.log(self.factor) / _LOG_FACTOR) ** 2
+        of_factor = -0.5 * (np.log(self.factor) / LOG_FACTOR) ** 2
         ratio, beyond = self._squared_ratios(usual, limits)
         return float(of_factor - (_POWER * np.log1p(ratio) + 0.5 * beyond).sum())
 
     def slope_of_prior(self, usual: np.ndarray, limits: np.ndarray) -> np.ndarray:
         """Derivative of `log_prior` by the logarithms, (q,)."""
         ratio, beyond = self._squared_ratios(usual, limits)
-        of_factor = beyond.sum() - np.log(self.factor) / _LOG_FACTOR**2
+        of_factor = beyond.sum() - np.log(self.factor) / LOG_FACTOR**2
         return np.array([of_factor, *(-2 * _POWER * ratio / (1 + ratio) - beyond)])
 
     def information_of_prior(self, usual: np.ndarray, limits: np.ndarray) -> np.ndarray:
         """Second derivative of minus `log_prior` by the logarithms, (q, q)."""
         ratio, beyond = self._squared_ratios(usual, limits)
         of_members = 4 * _POWER * ratio / (1 + ratio) ** 2 + 2 * beyond
-        information = np.diag([1.0 / _LOG_FACTOR**2 + 2 * beyond.sum(), *of_members])
+        information = np.diag([1.0 / LOG_FACTOR**2 + 2 * beyond.sum(), *of_members])
         information[0, 1:] = information[1:, 0] = -2 * beyond
         return information
 

@@ -36,6 +36,9 @@ _MORE = 6
 _LEADING = 30
 #: candidates that are fitted as the first of two; of four that had to be, the last was third
 _FIRSTS = 5
+#: pairs in the place of one that are fitted; of five that were taken in 72 searches, the last was
+#: tenth by its odds before the fit
+_PAIRS = 12
 #: log odds by which a pair may lie behind before its first is fitted; chosen: 26 on one part
 _ROUGH = 30.0
 #: log odds by which one may lie behind the effect whose place it takes; in none of a few hundred
@@ -51,6 +54,9 @@ _SHARE = 0.25
 _TIE = 5
 #: effects at most that fill a discrepancy; with twelve 99 searches that were looked at ended alike
 _FILLED = 6
+#: effects from which on something else may stand behind most of them; chosen: as many as machines
+#: that were looked at had; it saves time where more are imitations
+_SEVERAL = 5
 #: a move counts where it makes the whole more probable by this much
 _STEP = 0.5
 #: log odds of a candidate below which it is not worth a fit; chosen: a fit moves little but its
@@ -79,8 +85,11 @@ def search_beyond(
     """A more probable set, by all moves; a large discrepancy is filled where none of them helps.
 
     A rival is asked by how much something else explains more: effects far behind are left alone.
+    Many effects may all be imitations of it: there it is asked first, as moves take longer.
     """
     moves = (_added, _uncovered, _afresh, _exchanged, _elsewhere, _split, _paired)
+    if len(here.terms) > _SEVERAL and rival(weighing, here) > _BEHIND:
+        return here
     here = _led_on(weighing, here, moves)
     for _ in range(_MOVES):
         filled = _filled(weighing, here, moves, rival)
@@ -255,17 +264,28 @@ def _filled_up(
 
 def _split(weighing: Weighing, here: Explanation) -> Iterator[Explanation]:
     """Two effects in place of one that stands for both, found beside members as they start."""
+    pairs: list[tuple[float, Explanation, int]] = []
     for start in _starts(here):
         least = start.score - (2.0 * _NEAR if start is here else 0.0)
-        for k, term in enumerate(here.terms):
-            others = weighing.without(start, [k], resize=False)
-            for i in _firsts(weighing, others, term.label, least - _ROUGH):
-                one = weighing.extend(others, i, refine=False, resize=False)
-                # what was there may be another of the two, elsewhere than where it stood for both
-                odds = one.score + weighing.gains(one)
-                for j in _ranked(weighing, odds, others.labels | one.labels)[:_TRIED]:
-                    if odds[j] > max(least, one.score):
-                        yield weighing.extend(one, j)
+        pairs += _in_place_of_one(weighing, start, least)
+    pairs.sort(key=lambda pair: -round(pair[0], _TIE))
+    for _, one, j in pairs[:_PAIRS]:
+        yield weighing.extend(one, j)
+
+
+def _in_place_of_one(
+    weighing: Weighing, start: Explanation, least: float
+) -> Iterator[tuple[float, Explanation, int]]:
+    """Scores of two effects in place of one, above the least, the first fitted; and the other."""
+    for k, term in enumerate(start.terms):
+        others = weighing.without(start, [k], resize=False)
+        for i in _firsts(weighing, others, term.label, least - _ROUGH):
+            one = weighing.extend(others, i, refine=False, resize=False)
+            # what was there may be another of the two, elsewhere than where it stood for both
+            odds = one.score + weighing.gains(one)
+            for j in _ranked(weighing, odds, others.labels | one.labels)[:_TRIED]:
+                if odds[j] > max(least, one.score):
+                    yield float(odds[j]), one, j
 
 
 def _firsts(weighing: Weighing, others: Explanation, own: str, least: float) -> list[int]:

@@ -11,6 +11,7 @@ from vmach.fit.base import Base
 from vmach.fit.marginal_likelihood import best_sizes
 from vmach.fit.noise.feature_noise import FeatureNoise
 from vmach.fit.noise.heavy_tails import ROUNDING, WORTH, weights_of
+from vmach.fit.noise.own_scale import own_scale_of
 
 __all__ = ["beside_own_noise", "noise_after", "noise_before", "score_with_tails"]
 
@@ -26,7 +27,7 @@ def noise_before(weighing: Weighing) -> FeatureNoise:
 
     A sudden effect could take up one of them.
     """
-    weight, log_prior, degrees = _weights(weighing, weighing.nothing())
+    weight, log_prior, degrees = _weights(weighing, weighing.nothing(), weighing.base.noise)
     return replace(weighing.base.noise, weight=weight, log_prior=log_prior, degrees=degrees)
 
 
@@ -38,7 +39,9 @@ def noise_after(weighing: Weighing, explanation: Explanation) -> FeatureNoise | 
     noise = weighing.base.noise
     if np.median(np.abs(noise.standardised(explanation.posterior.left))) < ROUNDING:
         return None
-    correlated = _correlated(weighing, explanation, _with_tails(weighing, explanation)[0])
+    scaled, gain = _with_own_scales(weighing, explanation)
+    tailed, _ = _with_tails(weighing, explanation, scaled, gain)
+    correlated = _correlated(weighing, explanation, tailed)
     return None if correlated is noise else correlated
 
 
@@ -73,21 +76,38 @@ def score_with_tails(weighing: Weighing, explanation: Explanation, least: float)
     most = 0.5 * float(np.sum(away[away > _ODD] ** 2)) if weighing.base.noise.is_plain else np.inf
     if np.median(away) < ROUNDING or score + most < least:
         return score
-    return score + _with_tails(weighing, explanation)[1]
+    return score + _with_tails(weighing, explanation, weighing.base.noise)[1]
 
 
-def _with_tails(weighing: Weighing, explanation: Explanation) -> tuple[FeatureNoise, float]:
-    """The noise with the tails that an explanation leaves, and the log probability it brings.
+def _with_own_scales(weighing: Weighing, explanation: Explanation) -> tuple[FeatureNoise, float]:
+    """The noise with the scale of each test, and the log probability that it brings.
 
-    As assumed where they are the same, or the readings are no more probable with them.
+    As assumed where scales are the same, or the readings are no more probable with others.
     """
-    noise = weighing.base.noise
-    weight, log_prior, degrees = _weights(weighing, explanation)
-    if np.abs(np.log(weight / noise.weight)).max() <= _OTHER:
+    noise, rows = weighing.base.noise, weighing.survey.rows
+    left = weighing.deletion_residuals(explanation) * noise.own_scale.of_readings
+    own = own_scale_of(explanation.posterior.sizes.factor * left, rows)
+    if np.abs(np.log(own.of_readings / noise.own_scale.of_readings)).max() <= _OTHER:
         return noise, 0.0
+    scaled = replace(noise, own_scale=own)
+    gain = _log_probability(weighing, explanation, scaled) - explanation.posterior.log_probability
+    return (scaled, gain) if gain > WORTH * (len(rows) - 1) else (noise, 0.0)
+
+
+def _with_tails(
+    weighing: Weighing, explanation: Explanation, noise: FeatureNoise, gain: float = 0.0
+) -> tuple[FeatureNoise, float]:
+    """A noise with the tails that an explanation leaves, and the log probability that both bring.
+
+    As given where they are the same, or the readings are no more probable with them.
+    """
+    weight, log_prior, degrees = _weights(weighing, explanation, noise)
+    if np.abs(np.log(weight / noise.weight)).max() <= _OTHER:
+        return noise, gain
     tailed = replace(noise, weight=weight, log_prior=log_prior, degrees=degrees)
-    gain = _log_probability(weighing, explanation, tailed) - explanation.posterior.log_probability
-    return (tailed, gain) if gain > 0.0 else (noise, 0.0)
+    with_tails = _log_probability(weighing, explanation, tailed)
+    with_tails -= explanation.posterior.log_probability
+    return (tailed, with_tails) if with_tails > gain else (noise, gain)
 
 
 def _log_probability(weighing: Weighing, explanation: Explanation, noise: FeatureNoise) -> float:
@@ -97,14 +117,23 @@ def _log_probability(weighing: Weighing, explanation: Explanation, noise: Featur
     return best_sizes(base, explanation.posterior.sizes, effects).log_probability
 
 
-def _weights(weighing: Weighing, explanation: Explanation) -> tuple[np.ndarray, float, float]:
+def _weights(
+    weighing: Weighing, explanation: Explanation, noise: FeatureNoise
+) -> tuple[np.ndarray, float, float]:
     """Weight of every reading beside the tails that an explanation leaves, and what it costs."""
-    return weights_of(weighing.deletion_residuals(explanation), weighing.survey.group)
+    left = weighing.deletion_residuals(explanation) / _scaled(weighing, noise)
+    return weights_of(left, weighing.survey.group)
+
+
+def _scaled(weighing: Weighing, noise: FeatureNoise) -> np.ndarray:
+    """Scales of another noise, in those of the one assumed."""
+    return noise.own_scale.of_readings / weighing.base.noise.own_scale.of_readings
 
 
 def _correlated(weighing: Weighing, explanation: Explanation, noise: FeatureNoise) -> FeatureNoise:
     """The noise with the correlation along features that makes the readings most probable."""
     left = weighing.base.noise.standardised(explanation.posterior.left)
+    left = left / _scaled(weighing, noise)
     pairs = [noise.autocorrelation(left, lag) for lag in (1, 2)]
     if noise.share == 0.0 and pairs[0] * np.sqrt(len(left)) < 3.0:
         return noise

@@ -101,7 +101,7 @@ def where_they_act_um(
     left, terms = um_from_mm(remains_mm(weighing, found)), found.terms
     wandering, of_wandering = _in_time(weighing, found)
     zeros = weighing.survey.zeros_of_runs(left - wandering)
-    uneven = _uneven(weighing, found) * usual_u_um(weighing) ** 2
+    uneven = _uneven(weighing, found) * um_from_mm(weighing.survey.u_mm) ** 2
     sizes, rests = [], []
     for term, own in zip(terms[:count], every, strict=False):
         beside = zip(terms[count:], every[count:], strict=True)
@@ -133,9 +133,12 @@ def _rms_where(values: np.ndarray, effect: np.ndarray) -> float:
 
 def _scatter_um(weighing: Weighing, found: Explanation, noise: float) -> float:
     """Scatter that is no noise, root mean square."""
-    beyond = max(found.posterior.sizes.factor**2 - min(noise, TRUST) ** 2, 0.0)
-    uneven = float(_uneven(weighing, found).mean())
-    return float(np.sqrt(max(beyond, uneven))) * usual_u_um(weighing)
+    scale = weighing.base.noise.own_scale.of_readings
+    shown = (found.posterior.sizes.factor * scale) ** 2
+    beyond = np.maximum(shown - np.minimum(noise * scale, TRUST) ** 2, 0.0)
+    squared_um2 = um_from_mm(weighing.survey.u_mm) ** 2
+    each = (float(np.mean(own * squared_um2)) for own in (beyond, _uneven(weighing, found)))
+    return float(np.sqrt(max(each)))
 
 
 def _uneven(weighing: Weighing, found: Explanation) -> np.ndarray:
@@ -148,7 +151,8 @@ def _uneven(weighing: Weighing, found: Explanation) -> np.ndarray:
         [m.on_part & (np.abs(m.sensing[:, 2]) < _WALL) for m in weighing.survey.measurements]
     )
     left = weighing.base.noise.standardised(found.posterior.left)
-    size = np.abs(found.posterior.sizes.factor * left)
+    factor = found.posterior.sizes.factor * weighing.base.noise.own_scale.of_readings
+    size = np.abs(factor * left)
     along_x, along_y = np.abs(weighing.survey.sensing[:, :2]).T
     groups = [on_wall & here for here in (along_x > along_y, along_x <= along_y)]
     none = np.zeros(len(size))

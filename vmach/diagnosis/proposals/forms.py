@@ -9,6 +9,7 @@ from itertools import combinations
 
 import numpy as np
 
+from vmach.base.units import um_from_mm
 from vmach.diagnosis.inference.moves import (
     beside_little,
     search,
@@ -257,7 +258,8 @@ class Forms:
         forms = dict.fromkeys([*leading, *simpler])
         weighing = self._with([*forms])
         start = weighing.explain(alone.terms, alone.posterior.sizes, refine=False)
-        noise_um = grown.posterior.sizes.factor * usual_u_um(weighing)
+        shown_mm = float(np.median(weighing.base.noise.shown_mm))
+        noise_um = grown.posterior.sizes.factor * um_from_mm(shown_mm)
         found: list[Proposal] = []
         for here in (start, beside_little(start)):
             for form in forms:

@@ -187,18 +187,14 @@ class _Screen:
         self.base = base
         if count > _LOOKED_THROUGH:
             rows = np.unique(np.linspace(0, count - 1, _LOOKED_THROUGH).astype(int))
-            every, noise = base.members, base.noise
+            every = base.members
             kept = np.isin(np.arange(count), rows)
             members = Members(
                 every.fixed_mm[rows], every.names, tuple(c[rows] for c in every.columns_mm)
             )
-            of_rows = {name: getattr(noise, name)[rows] for name in ("u_mm", "group", "weight")}
             self.rows = rows
             screened = _kept(weighing.survey, kept)
-            # neighbours are further apart now
-            further = noise.correlation ** (count / len(rows))
-            noise = replace(noise, correlation=further, **of_rows)
-            self.base = Base(screened, noise, members)
+            self.base = Base(screened, base.noise.of_some(rows), members)
 
     def posterior(self, sizes: Sizes, effects: Effects) -> Posterior:
         """Members at given sizes, and effects, as these readings have them."""

@@ -1,6 +1,7 @@
 """Noise of single readings: correlated along a feature, with heavy tails, up to one factor.
 
-In units of the stated standard uncertainty u the covariance of the readings of one feature is
+In units of the standard uncertainty u, as stated or as a test shows it, the covariance of the
+readings of one feature is
 
     C = (1 - s) diag(1 / w) + s r^|i - j|
 
@@ -14,12 +15,13 @@ mixture).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from vmach.fit.noise.along_features import AlongFeatures
+from vmach.fit.noise.own_scale import AS_STATED, OwnScale
 
 __all__ = ["FeatureNoise"]
 
@@ -42,6 +44,8 @@ class FeatureNoise:
         weighed otherwise are compared with it.
     degrees : float
         Of freedom of Student's t that the weights are of.
+    own_scale : OwnScale
+        What each test's uncertainty is of the stated one, beside the factor that all share.
     """
 
     u_mm: np.ndarray
@@ -51,6 +55,12 @@ class FeatureNoise:
     correlation: float = 0.0
     log_prior: float = 0.0
     degrees: float = np.inf
+    own_scale: OwnScale = AS_STATED
+
+    @cached_property
+    def shown_mm(self) -> np.ndarray:
+        """Standard uncertainty, as each test shows it, (n,)."""
+        return self.u_mm * self.own_scale.of_readings
 
     @property
     def widening(self) -> float:
@@ -71,13 +81,21 @@ class FeatureNoise:
     def is_as(self, other: FeatureNoise) -> bool:
         """Whether it is that of the same readings with the same weights and correlation."""
         same = np.array_equal(self.weight, other.weight) and self.share == other.share
+        same = same and self.own_scale.is_as(other.own_scale)
         return same and self.correlation == other.correlation and self.u_mm is other.u_mm
+
+    def of_some(self, rows: np.ndarray) -> FeatureNoise:
+        """The noise of some readings, evenly spread, by their numbers (m,)."""
+        # neighbours are further apart
+        further = self.correlation ** (len(self.u_mm) / len(rows))
+        own = {name: getattr(self, name)[rows] for name in ("u_mm", "group", "weight")}
+        return replace(self, correlation=further, own_scale=self.own_scale.of_some(rows), **own)
 
     def white(self, columns: np.ndarray) -> np.ndarray:
         """Columns (n, k) mm in unit noise."""
         if self._along is not None:
             return self._along.white(columns)
-        scaled = columns / self.u_mm[:, None]
+        scaled = columns / self.shown_mm[:, None]
         scaled *= np.sqrt(self.weight)[:, None]
         return scaled
 
@@ -85,19 +103,19 @@ class FeatureNoise:
         """Columns (n, k) by the transpose of the map that makes columns white."""
         if self._along is not None:
             return self._along.back(white)
-        return white * (np.sqrt(self.weight) / self.u_mm)[:, None]
+        return white * (np.sqrt(self.weight) / self.shown_mm)[:, None]
 
     def deviations(self, weights: np.ndarray) -> np.ndarray:
         """Of weighted sums of readings, (n, k) mm: a column's squares add up to a variance."""
         if self._along is not None:
             return self._along.deviations(weights)
-        return weights * self.u_mm[:, None] / np.sqrt(self.weight)[:, None]
+        return weights * self.shown_mm[:, None] / np.sqrt(self.weight)[:, None]
 
     def standardised(self, white: np.ndarray) -> np.ndarray:
         """The expected independent part of white readings (n,), in standard deviations."""
         if self._along is None:
             return white / np.sqrt(self.weight)
-        back = self._along.back(white[:, None])[:, 0] * self.u_mm
+        back = self._along.back(white[:, None])[:, 0] * self.shown_mm
         return np.sqrt(1.0 - self.share) / self.weight * back
 
     def autocorrelation(self, left: np.ndarray, lag: int) -> float:
@@ -112,15 +130,16 @@ class FeatureNoise:
 
     @cached_property
     def precisions(self) -> np.ndarray:
-        """Of every reading, given all others: the diagonal of the inverse, in units of u, (n,)."""
-        return self.weight if self._along is None else self._along.precisions * self.u_mm**2
+        """Of every reading, given all others, in units of `shown_mm`, (n,)."""
+        return self.weight if self._along is None else self._along.precisions * self.shown_mm**2
 
     @cached_property
     def log_determinant(self) -> float:
-        """Of the covariance in units of u."""
+        """Of the covariance in units of the stated u."""
+        own = self.own_scale.log_determinant
         if self._along is None:
-            return -float(np.log(self.weight).sum())
-        return self._along.log_determinant
+            return own - float(np.log(self.weight).sum())
+        return own + self._along.log_determinant
 
     @cached_property
     def _along(self) -> AlongFeatures | None:
@@ -128,4 +147,4 @@ class FeatureNoise:
         if self.share == 0.0:
             return None
         own = (1.0 - self.share) / self.weight
-        return AlongFeatures(self.u_mm, self.group, own, self.share, self.correlation)
+        return AlongFeatures(self.shown_mm, self.group, own, self.share, self.correlation)
