@@ -15,7 +15,8 @@ import numpy as np
 
 from vmach.base.note import Kind, Note
 from vmach.diagnosis.inference.verdicts import Inference
-from vmach.fit.noise.own_scale import AS_STATED, MEDIAN_OF_NORMAL
+from vmach.fit.noise.own_scale import AS_STATED
+from vmach.measurements import MEDIAN_OF_NORMAL
 
 __all__ = ["TOO_LOUD", "doubtful_uncertainty"]
 

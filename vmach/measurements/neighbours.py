@@ -1,7 +1,7 @@
 """How well a reading agrees with those next to it.
 
 Source: closed form derived here: second differences of independent readings have the variance 6
-u^2; the median absolute deviation times 1.4826 is the standard deviation of normal noise. ISO
+u^2; the median of absolute normal values is 0.6745 of their standard deviation. ISO
 16610-21 for the Gaussian filter of scans, which makes neighbours alike.
 """
 
@@ -9,8 +9,16 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["apart_from_few", "apart_from_neighbours", "scatter_of_neighbours", "unfiltered_scatter"]
+__all__ = [
+    "MEDIAN_OF_NORMAL",
+    "apart_from_few",
+    "apart_from_neighbours",
+    "scatter_of_neighbours",
+    "unfiltered_scatter",
+]
 
+#: median of absolute normal values, in their standard deviation
+MEDIAN_OF_NORMAL = 0.6745
 #: neighbours on each side that a reading is compared with, and the fewest of one group
 _NEIGHBOURS = 3
 _FEWEST = 8
@@ -103,7 +111,7 @@ def scatter_of_neighbours(value: np.ndarray, group: np.ndarray, *, rows: int = 1
     bend = _bends(value, group, rows)
     if len(bend) == 0:
         return float(np.std(value))
-    return float(1.4826 * np.median(np.abs(bend)) / np.sqrt(6.0))
+    return float(np.median(np.abs(bend)) / MEDIAN_OF_NORMAL / np.sqrt(6.0))
 
 
 def unfiltered_scatter(value: np.ndarray, group: np.ndarray) -> float:

@@ -54,9 +54,6 @@ _SHARE = 0.25
 _TIE = 5
 #: effects at most that fill a discrepancy; with twelve 99 searches that were looked at ended alike
 _FILLED = 6
-#: effects from which on something else may stand behind most of them; chosen: as many as machines
-#: that were looked at had; it saves time where more are imitations
-_SEVERAL = 5
 #: a move counts where it makes the whole more probable by this much
 _STEP = 0.5
 #: log odds of a candidate below which it is not worth a fit; chosen: a fit moves little but its
@@ -85,11 +82,8 @@ def search_beyond(
     """A more probable set, by all moves; a large discrepancy is filled where none of them helps.
 
     A rival is asked by how much something else explains more: effects far behind are left alone.
-    Many effects may all be imitations of it: there it is asked first, as moves take longer.
     """
     moves = (_added, _uncovered, _afresh, _exchanged, _elsewhere, _split, _paired)
-    if len(here.terms) > _SEVERAL and rival(weighing, here) > _BEHIND:
-        return here
     here = _led_on(weighing, here, moves)
     for _ in range(_MOVES):
         filled = _filled(weighing, here, moves, rival)

@@ -15,11 +15,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vmach.fit.sizes import LOG_FACTOR
+from vmach.measurements import MEDIAN_OF_NORMAL
 
-__all__ = ["AS_STATED", "MEDIAN_OF_NORMAL", "OwnScale", "own_scale_of"]
+__all__ = ["AS_STATED", "OwnScale", "own_scale_of"]
 
-#: median of absolute normal values, in their standard deviation
-MEDIAN_OF_NORMAL = 0.6745
 #: fewer readings say little of a scatter: of 20 it is uncertain by a fifth
 _FEW = 20
 #: scatter from which on it can be told, in stated uncertainties; below, readings are predictions
