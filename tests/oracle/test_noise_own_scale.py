@@ -10,8 +10,6 @@ from vmach.fit.noise.feature_noise import FeatureNoise
 from vmach.fit.noise.own_scale import AS_STATED, OwnScale, own_scale_of
 
 COUNT = 120
-#: readings of three tests
-ROWS = (slice(0, 30), slice(30, 70), slice(70, COUNT))
 #: an uncertainty is right within a factor of two beforehand
 LOG_FACTOR = np.log(2.0)
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from vmach.base.note import Kind, Note
 from vmach.diagnosis.inference.verdicts import Inference
-from vmach.fit.noise.own_scale import AS_STATED
+from vmach.fit.noise.own_scale import AS_STATED, EXACT, FEW
 from vmach.measurements import MEDIAN_OF_NORMAL
 
 __all__ = ["TOO_LOUD", "doubtful_uncertainty"]
@@ -26,10 +26,6 @@ _TOO_QUIET, TOO_LOUD = 1.0 / 3.0, 1.5
 _ONE_TOO_LOUD = 2.5
 #: times that the scatter of one measurement differs from that of all others where it is its own
 _OF_ITS_OWN = 2.0
-#: fewer readings say little of a scatter: of 20 it is uncertain by a fifth
-_FEW = 20
-#: readings that leave less of their uncertainty are what was predicted
-_EXACT = 1e-3
 
 
 def doubtful_uncertainty(found: Inference) -> Iterator[Note]:
@@ -72,11 +68,11 @@ def _of_one(name: str, own: np.ndarray, others: np.ndarray, *, is_own: bool) -> 
 
     Its own scatter may have counted.
     """
-    if min(len(own), len(others)) < _FEW:
+    if min(len(own), len(others)) < FEW:
         return
     here, there = (float(np.median(values)) / MEDIAN_OF_NORMAL for values in (own, others))
     if here < min(_TOO_QUIET, there / _OF_ITS_OWN):
-        how, size, whose = f"{1.0 / max(here, _EXACT):.3g} times less", "large", "of the others"
+        how, size, whose = f"{1.0 / max(here, EXACT):.3g} times less", "large", "of the others"
     elif here > max(_ONE_TOO_LOUD, there * _OF_ITS_OWN):
         how, size, whose = f"{here:.3g} times more", "small", "of these readings"
     else:

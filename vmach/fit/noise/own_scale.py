@@ -17,12 +17,12 @@ import numpy as np
 from vmach.fit.sizes import LOG_FACTOR
 from vmach.measurements import MEDIAN_OF_NORMAL
 
-__all__ = ["AS_STATED", "OwnScale", "own_scale_of"]
+__all__ = ["AS_STATED", "EXACT", "FEW", "OwnScale", "own_scale_of"]
 
-#: fewer readings say little of a scatter: of 20 it is uncertain by a fifth
-_FEW = 20
+#: fewer readings say little of a scatter: that of 20 is known within a quarter by their median
+FEW = 20
 #: scatter from which on it can be told, in stated uncertainties; below, readings are predictions
-_EXACT = 1e-3
+EXACT = 1e-3
 
 
 @dataclass(frozen=True)
@@ -69,11 +69,11 @@ def own_scale_of(left: np.ndarray, rows: Sequence[slice]) -> OwnScale:
     rows : sequence of slice
         The readings of each test. One of few readings scatters as all do together.
     """
-    told = np.array([len(left[own]) >= _FEW for own in rows])
+    told = np.array([len(left[own]) >= FEW for own in rows])
     if np.count_nonzero(told) < 2:
         return AS_STATED
     medians = np.array([np.median(np.abs(left[own])) for own in rows]) / MEDIAN_OF_NORMAL
-    shown = np.log(np.maximum(medians, _EXACT))
+    shown = np.log(np.maximum(medians, EXACT))
     # the shared factor is as probable beforehand as each of the others
     shared = shown[told].sum() / (np.count_nonzero(told) + 1)
     logs = np.where(told, shown - shared, 0.0)
